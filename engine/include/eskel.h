@@ -1,0 +1,361 @@
+/* eskel: shapes as ellipsoidal skeletons.
+ *
+ * The engine, in the order of its pipeline: a volume is decoded into clouds of voxels, a cloud becomes a
+ * skeleton, a skeleton has a signature, signatures are matched and searched, skeletons are compared for
+ * handedness. Pure computation: nothing here opens a file, a socket or a database, prints, or keeps state
+ * outside the objects that it returns.
+ *
+ * Conventions, everywhere:
+ * - World space is RAS (x to the right, y to the front, z to the head) in millimetres.
+ * - A function that can fail returns an eskel_status and writes its outputs last: they are untouched on failure.
+ * - An eskel_error is optional (NULL); it receives one sentence with the offending and the expected value.
+ * - Objects made by a _new or _decode are owned by the caller and released by the matching _free, which takes NULL.
+ * - Options are plain structs in which zero means the default, and NULL means all defaults.
+ * - Results are the same for any number of threads and on any machine.
+ *
+ * "Section" refers to the paper: Banegas, Michelucci, Roelens, Jaeger, "The Ellipsoidal Skeleton in Medical
+ * Applications".
+ */
+#ifndef ESKEL_H
+#define ESKEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define ESKEL_API __attribute__((visibility("default")))
+
+/* ---------------------------------------------------------------------------------------------- status */
+
+#define ESKEL_STATUSES(X)                                                \
+	X(ESKEL_OK, "no error")                                          \
+	X(ESKEL_INVALID, "an argument is outside its range")             \
+	X(ESKEL_NO_MEMORY, "memory ran out")                             \
+	X(ESKEL_NOT_VOLUME, "the bytes are not a volume of a known format") \
+	X(ESKEL_TRUNCATED, "the bytes end too early")                    \
+	X(ESKEL_MALFORMED, "the bytes break the rules of their format")  \
+	X(ESKEL_UNSUPPORTED, "the format is known, this use of it is not supported") \
+	X(ESKEL_TOO_LARGE, "a limit is exceeded")                        \
+	X(ESKEL_BAD_GEOMETRY, "the voxel-to-world affine is unusable")   \
+	X(ESKEL_BAD_VALUE, "a voxel value is not a label")               \
+	X(ESKEL_EMPTY, "there is no voxel")                              \
+	X(ESKEL_NOT_FOUND, "there is no such thing")                     \
+	X(ESKEL_NUMERIC, "a computation did not converge")               \
+	X(ESKEL_CANCELLED, "the caller asked to stop")
+
+#define ESKEL_STATUS_CODE(code, text) code,
+typedef enum { ESKEL_STATUSES(ESKEL_STATUS_CODE) ESKEL_STATUS_COUNT } eskel_status;
+#undef ESKEL_STATUS_CODE
+
+/* A sentence for a status, static. */
+ESKEL_API const char *eskel_status_text(eskel_status status);
+
+typedef struct {
+	eskel_status status;
+	char text[256];
+} eskel_error;
+
+/* ---------------------------------------------------------------------------------------------- affine */
+
+/* Voxel index (i, j, k) to world mm: world[r] = m[r][0] i + m[r][1] j + m[r][2] k + m[r][3].
+ * An integer index is the centre of its voxel. */
+typedef struct {
+	double m[3][4];
+} eskel_affine;
+
+/* ESKEL_BAD_GEOMETRY unless every entry is finite, every column is 1e-4 to 1e4 mm long and |det| is at least
+ * 1e-3 of the product of the column lengths. Oblique, sheared and left-handed affines are fine. */
+ESKEL_API eskel_status eskel_affine_check(const eskel_affine *affine, eskel_error *error);
+ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
+
+/* ---------------------------------------------------------------------------------------------- warnings */
+
+/* Things that a person should know about an accepted input. The code is stable, the text is for people. */
+#define ESKEL_WARNINGS(X) \
+	X(ESKEL_WARNING_SFORM_QFORM_DISAGREE, "sform_qform_disagree") \
+	X(ESKEL_WARNING_NO_ORIENTATION, "no_orientation") \
+	X(ESKEL_WARNING_UNIT_ASSUMED, "unit_assumed") \
+	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
+	X(ESKEL_WARNING_FEW_VOXELS, "few_voxels") \
+	X(ESKEL_WARNING_FLAT, "flat") \
+	X(ESKEL_WARNING_FEWER_LEVELS, "fewer_levels")
+
+#define ESKEL_WARNING_CODE(code, name) code,
+typedef enum { ESKEL_WARNINGS(ESKEL_WARNING_CODE) ESKEL_WARNING_COUNT } eskel_warning_code;
+#undef ESKEL_WARNING_CODE
+
+typedef struct {
+	eskel_warning_code code;
+	char text[200];
+} eskel_warning;
+
+/* "sform_qform_disagree" and so on, static. */
+ESKEL_API const char *eskel_warning_name(eskel_warning_code code);
+
+/* ---------------------------------------------------------------------------------------------- cloud */
+
+/* A maximal stretch of voxels of one weight along the first index axis, both ends included. */
+typedef struct {
+	uint16_t x_first, x_last, y, z;
+} eskel_run;
+
+/* The voxels of one object. Always canonical, so that the same object is the same cloud whatever file it came
+ * from: index axes permuted and flipped to the nearest RAS orientation, the least index on each axis is 0, runs
+ * sorted by (z, y, x_first), disjoint and maximal, matrix entries rounded to float (what NIfTI can hold), the
+ * offset to 1/1024 of the power of two next below the largest matrix entry. */
+typedef struct {
+	eskel_affine affine;
+	uint64_t voxels;         /* sum of run lengths */
+	uint64_t weight;         /* sum of run lengths times weights; = voxels when weights is NULL */
+	uint16_t extent[3];      /* largest index on each axis, plus 1 */
+	size_t run_count;        /* at least 1 */
+	eskel_run *runs;
+	uint32_t *weights;       /* one positive integer a run, or NULL when every voxel weighs 1 */
+} eskel_cloud;
+
+/* Makes the canonical cloud of runs in any order, which may touch but not overlap (ESKEL_INVALID). Copies.
+ * ESKEL_EMPTY for no runs; ESKEL_TOO_LARGE past 2^33 voxels or a weight sum past 2^44. O(n log n). */
+ESKEL_API eskel_status eskel_cloud_new(const eskel_run *runs, const uint32_t *weights, size_t run_count,
+	const eskel_affine *affine, eskel_cloud **cloud, eskel_error *error);
+ESKEL_API void eskel_cloud_free(eskel_cloud *cloud);
+
+/* Voxels times |det affine|, mm^3. */
+ESKEL_API double eskel_cloud_volume(const eskel_cloud *cloud);
+
+/* Lossless bytes with a version, a few a run; the same cloud always gives the same bytes. free() them. */
+ESKEL_API eskel_status eskel_cloud_encode(const eskel_cloud *cloud, uint8_t **bytes, size_t *size);
+/* ESKEL_MALFORMED, ESKEL_TRUNCATED or ESKEL_TOO_LARGE for bytes that no encode made. */
+ESKEL_API eskel_status eskel_cloud_decode(const uint8_t *bytes, size_t size, eskel_cloud **cloud, eskel_error *error);
+
+/* ---------------------------------------------------------------------------------------------- volume */
+
+/* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and
+ * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files,
+ * either endianness, gzipped or not. Nothing is ever opened: a header that names another file is refused. */
+typedef struct eskel_volume eskel_volume;
+
+typedef struct {
+	uint64_t most_voxels;          /* of the grid; default 2^33 */
+	size_t most_runs;              /* over all labels; default 2^27 */
+	uint32_t most_labels;          /* default 4096 */
+	const int32_t *labels;         /* keep only these (non-zero, any order); default all non-zero labels */
+	size_t label_count;
+} eskel_volume_options;
+
+ESKEL_API eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume **volume);
+/* After a failure every further call returns the same status and error. Bytes after the last voxel are an error. */
+ESKEL_API eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t size, eskel_error *error);
+/* All bytes are there: ESKEL_TRUNCATED if voxels or checksums are missing, ESKEL_EMPTY if no voxel has a label. */
+ESKEL_API eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error);
+ESKEL_API void eskel_volume_free(eskel_volume *volume);
+
+/* The rest is for a finished volume. */
+typedef struct {
+	const char *format;            /* "NIfTI-1" or "NIfTI-2", static */
+	bool gzipped;
+	uint32_t extent[3];
+	eskel_affine affine;
+	size_t warning_count;
+	eskel_warning warnings[4];
+} eskel_volume_info;
+
+ESKEL_API const eskel_volume_info *eskel_volume_get_info(const eskel_volume *volume);
+/* The labels found, ascending. */
+ESKEL_API size_t eskel_volume_label_count(const eskel_volume *volume);
+ESKEL_API int32_t eskel_volume_label(const eskel_volume *volume, size_t index);
+/* Bit b of sides (0..5: x low, x high, y low, y high, z low, z high) is set when the label's voxels touch that
+ * border of the grid. ESKEL_NOT_FOUND when no voxel has the label. */
+ESKEL_API eskel_status eskel_volume_border(const eskel_volume *volume, int32_t label, unsigned *sides);
+ESKEL_API eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel_cloud **cloud,
+	eskel_error *error);
+
+/* ---------------------------------------------------------------------------------------------- skeleton */
+
+#define ESKEL_LEVELS_MAX 64
+#define ESKEL_LEVELS_DEFAULT 16
+#define ESKEL_NODES(levels) ((size_t)(levels) * ((size_t)(levels) + 1) / 2)
+
+typedef enum { ESKEL_PARTITION_EUCLIDEAN, ESKEL_PARTITION_MAHALANOBIS } eskel_partition_metric;
+
+typedef struct {
+	uint32_t levels;                    /* 1 to ESKEL_LEVELS_MAX; default 16 */
+	eskel_partition_metric metric;      /* section 2.4.6 */
+	bool coarse_start;                  /* section 2.4.4: partitions of the cloud of 3x3x3 cells start each level */
+	bool (*progress)(void *context, uint32_t level, uint32_t levels); /* after each level; false: ESKEL_CANCELLED */
+	void *context;
+} eskel_skeleton_options;
+
+/* One class of one level (section 2.5). Moments are population moments of the voxel centres. */
+typedef struct {
+	uint32_t level;             /* 1-based */
+	uint32_t class_index;       /* 0-based within its level */
+	int32_t parent;             /* class of the level above, -1 at level 1 */
+	uint64_t voxels;
+	double weight;
+	double centre[3];           /* mm */
+	double covariance[3][3];    /* mm^2, symmetric */
+	double eigenvalues[3];      /* mm^2, descending, never negative */
+	double axes[3][3];          /* row i is the unit axis of eigenvalue i; right-handed; a line, so its sign means nothing */
+	double rho;                 /* mm, distance of centre from the centre of the whole */
+} eskel_node;
+
+typedef struct {
+	uint32_t level;
+	int32_t split_class;        /* class of the level above that was split, -1 at level 1 */
+	double split_ratio;         /* section 2.4.2, weighted; 0 at level 1 */
+	double intraclass_ratio;    /* sum w_i V_i / (w V); 1 at level 1, 0 if V = 0 */
+	bool degenerate;            /* the split axis was undefined (equal eigenvalues) */
+} eskel_level;
+
+typedef struct {
+	eskel_partition_metric metric;
+	bool coarse_start;
+	uint32_t level_count;       /* may be fewer than asked: a level needs a class with two distinct points */
+	uint32_t level_of_5_percent; /* first level whose intraclass ratio is at most 0.05, 0 if none */
+	uint64_t voxels;
+	double weight;
+	double volume;              /* mm^3 */
+	eskel_level *levels;        /* [level_count]; level k at k - 1 */
+	eskel_node *nodes;          /* [ESKEL_NODES(level_count)]; class c of level k at ESKEL_NODES(k - 1) + c */
+} eskel_skeleton;
+
+/* Progressive dynamic clustering (section 2.4). A class that is not split keeps its index; of the two parts of a
+ * split class the heavier keeps it and the other becomes class k - 1 of level k. */
+ESKEL_API eskel_status eskel_skeleton_new(const eskel_cloud *cloud, const eskel_skeleton_options *options,
+	eskel_skeleton **skeleton, eskel_error *error);
+ESKEL_API void eskel_skeleton_free(eskel_skeleton *skeleton);
+ESKEL_API const eskel_node *eskel_skeleton_node(const eskel_skeleton *skeleton, uint32_t level, uint32_t class_index);
+
+/* Writes the indices, in the level below, of a node's one or two children; returns how many (0 at the last level). */
+ESKEL_API unsigned eskel_skeleton_children(const eskel_skeleton *skeleton, uint32_t level, uint32_t class_index,
+	uint32_t children[2]);
+
+ESKEL_API eskel_status eskel_skeleton_encode(const eskel_skeleton *skeleton, uint8_t **bytes, size_t *size);
+ESKEL_API eskel_status eskel_skeleton_decode(const uint8_t *bytes, size_t size, eskel_skeleton **skeleton,
+	eskel_error *error);
+
+/* ---------------------------------------------------------------------------------------------- signature */
+
+/* Per class: sqrt(lambda_1), sqrt(lambda_2), sqrt(lambda_3), rho in mm (section 5.2.1), and the solidity
+ * q = w V / (4/3 pi 5^1.5 sqrt(det M)), without unit, 1 for a solid ellipsoid, at most 1.25. */
+#define ESKEL_SIGNATURE_NUMBERS 5
+
+typedef struct {
+	uint32_t level_count;
+	double volume;                                  /* mm^3 */
+	double (*rows)[ESKEL_SIGNATURE_NUMBERS];        /* [ESKEL_NODES(level_count)], ordered as skeleton nodes */
+} eskel_signature;
+
+ESKEL_API eskel_status eskel_signature_new(const eskel_skeleton *skeleton, eskel_signature **signature);
+ESKEL_API void eskel_signature_free(eskel_signature *signature);
+ESKEL_API eskel_status eskel_signature_encode(const eskel_signature *signature, uint8_t **bytes, size_t *size);
+ESKEL_API eskel_status eskel_signature_decode(const uint8_t *bytes, size_t size, eskel_signature **signature,
+	eskel_error *error);
+
+/* ---------------------------------------------------------------------------------------------- distance, match */
+
+typedef enum { ESKEL_SIGNATURE_LOG, ESKEL_SIGNATURE_PAPER } eskel_signature_kind;
+typedef enum { ESKEL_DISTANCE_SUM, ESKEL_DISTANCE_LEVEL } eskel_distance_kind;
+typedef enum { ESKEL_METRIC_MANHATTAN, ESKEL_METRIC_EUCLIDEAN } eskel_metric;
+typedef enum { ESKEL_SIZE_FIXED, ESKEL_SIZE_FREE } eskel_size;
+
+/* Two signatures:
+ *   log    f = ln(number + 0.02) of the five numbers of the shape brought to volume 1; D_k = matching cost / k;
+ *          sum: the mean of D_k over the levels that both have, 1 to at most 16; size fixed adds 0.2 |ln V - ln V'|.
+ *   paper  sqrt(lambda) and rho in mm (size fixed) or of the shape brought to volume 1 (free), q unused;
+ *          D_k = matching cost; sum: the sum of D_k / k over the levels that both have, 1 to at most 16.
+ * Both are computed from the same 32-bit floats that the library keeps, so every route to a distance agrees. */
+typedef struct {
+	eskel_signature_kind signature;
+	eskel_distance_kind distance;
+	uint32_t level;             /* for ESKEL_DISTANCE_LEVEL; default 10; the deepest common level if that is less */
+	eskel_metric metric;        /* between two class signatures */
+	eskel_size size;
+} eskel_distance_options;
+
+/* levels[k - 1] receives D_k for k = 1..*level_count (NULL: not wanted); it has room for ESKEL_LEVELS_MAX. */
+ESKEL_API eskel_status eskel_distance(const eskel_signature *a, const eskel_signature *b,
+	const eskel_distance_options *options, double *distance, double *levels, uint32_t *level_count);
+
+/* The min-cost bijection at one level (section 5.2.2). Ties are broken the same way every time. */
+typedef struct {
+	uint32_t level;
+	double cost;                           /* sum of pair costs */
+	uint32_t other[ESKEL_LEVELS_MAX];      /* class i of a is matched with class other[i] of b */
+	double pair_cost[ESKEL_LEVELS_MAX];
+} eskel_match;
+
+/* ESKEL_INVALID unless both have the level. */
+ESKEL_API eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *b,
+	const eskel_distance_options *options, uint32_t level, eskel_match *match);
+
+/* ---------------------------------------------------------------------------------------------- library */
+
+/* Signatures of many shapes, searched coarse to fine (section 5.3). Any number of threads may search while one at
+ * a time adds or removes; readers never wait for writers. */
+typedef struct eskel_library eskel_library;
+
+ESKEL_API eskel_status eskel_library_new(eskel_library **library);
+ESKEL_API void eskel_library_free(eskel_library *library);
+/* Keys are the caller's and unique (ESKEL_INVALID otherwise). Copies the signature. */
+ESKEL_API eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_signature *signature);
+ESKEL_API eskel_status eskel_library_remove(eskel_library *library, int64_t key);
+ESKEL_API size_t eskel_library_count(const eskel_library *library);
+
+/* Distances of every pair of rows x columns, written row by row into distances[row_count * column_count].
+ * ESKEL_NOT_FOUND when a key is not in the library. */
+ESKEL_API eskel_status eskel_library_distances(const eskel_library *library, const int64_t *rows, size_t row_count,
+	const int64_t *columns, size_t column_count, const eskel_distance_options *options, double *distances);
+
+typedef enum { ESKEL_SEARCH_PRUNED, ESKEL_SEARCH_EXACT } eskel_search_mode;
+
+typedef struct {
+	eskel_distance_options distance;
+	eskel_search_mode mode;
+	size_t limit;                   /* neighbours wanted; default 5 */
+	const int64_t *keys;            /* ascending: compare with these only (a filter's answer); NULL: all */
+	size_t key_count;
+	bool leave_out;                 /* leave out the shape with this key (a stored shape's own) */
+	int64_t left_out_key;
+} eskel_search_options;
+
+typedef struct {
+	int64_t key;
+	double distance;
+	uint32_t level_count;
+	double levels[ESKEL_LEVELS_MAX];       /* D_k */
+} eskel_neighbour;
+
+typedef struct {
+	size_t library;                        /* shapes that took part */
+	uint32_t step_count;                   /* coarse-to-fine steps taken */
+	size_t kept[ESKEL_LEVELS_MAX];         /* shapes still in after each step */
+	size_t compared;                       /* shapes compared to full depth */
+	bool proven;                           /* no shape outside the answer is nearer */
+	size_t count;
+	eskel_neighbour *neighbours;           /* by distance, then key */
+} eskel_search_result;
+
+ESKEL_API eskel_status eskel_library_search(const eskel_library *library, const eskel_signature *query,
+	const eskel_search_options *options, eskel_search_result **result);
+ESKEL_API void eskel_search_result_free(eskel_search_result *result);
+
+/* ---------------------------------------------------------------------------------------------- chirality */
+
+typedef enum { ESKEL_CHIRALITY_UNDECIDED, ESKEL_CHIRALITY_SAME, ESKEL_CHIRALITY_MIRRORED } eskel_chirality_verdict;
+
+typedef struct {
+	eskel_chirality_verdict verdict;
+	double score;                   /* (improper - proper) / (improper + proper), -1 to 1; > 0: same handedness */
+	double proper, improper;        /* least superposition costs, summed over levels */
+	bool has_determinant;           /* both have a level of at least 4 */
+	uint32_t determinant_level;
+	double determinant[2];          /* section 5.5: of a's four classes, and of the four matched with them in b, mm^3 */
+} eskel_chirality;
+
+/* Is b shaped like a, or like a's mirror image? Undecided when |score| < 0.05, or when nothing can be told
+ * (fewer than 4 common levels). Levels above 16 are not used. */
+ESKEL_API eskel_status eskel_chirality_compare(const eskel_skeleton *a, const eskel_skeleton *b,
+	eskel_chirality *chirality);
+
+#endif
