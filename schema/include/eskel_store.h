@@ -1,0 +1,202 @@
+/* eskel store: shapes, their skeletons and who did what, in one SQLite file.
+ *
+ * The only code that speaks SQL. A change is one transaction, audit row included, and is on disk (fsync) when its
+ * function returns. Every function may be called from any thread: writers queue up behind one connection, readers
+ * take a read-only connection each from a pool and never wait for a writer.
+ *
+ * Strings are UTF-8. A NULL string, ESKEL_SIDE_UNKNOWN, ESKEL_SEX_UNKNOWN and a NaN age mean "not recorded". Outputs
+ * are written last and untouched on failure; an eskel_store_error may be NULL.
+ */
+#ifndef ESKEL_STORE_H
+#define ESKEL_STORE_H
+
+#include "eskel.h"
+
+#define ESKEL_STORE_STATUSES(X)                                                                                        \
+	X(ESKEL_STORE_OK, "no error")                                                                                  \
+	X(ESKEL_STORE_INVALID, "an argument is outside its range")                                                     \
+	X(ESKEL_STORE_NO_MEMORY, "memory ran out")                                                                     \
+	X(ESKEL_STORE_NOT_FOUND, "there is no such row")                                                               \
+	X(ESKEL_STORE_CONFLICT, "the row has changed since it was read")                                               \
+	X(ESKEL_STORE_FOREIGN, "the file is not an eskel database of a version that this program knows")               \
+	X(ESKEL_STORE_LOCKED, "another server has the file open")                                                      \
+	X(ESKEL_STORE_BUSY, "the database stayed busy")                                                                \
+	X(ESKEL_STORE_FULL, "the disk is full")                                                                        \
+	X(ESKEL_STORE_READ_ONLY, "an earlier write could not be made durable: no more writes until a restart")         \
+	X(ESKEL_STORE_CORRUPT, "stored bytes do not match their checksum")                                             \
+	X(ESKEL_STORE_IO, "the database could not be read or written")
+
+#define ESKEL_STORE_STATUS_CODE(code, text) code,
+typedef enum { ESKEL_STORE_STATUSES(ESKEL_STORE_STATUS_CODE) ESKEL_STORE_STATUS_COUNT } eskel_store_status;
+#undef ESKEL_STORE_STATUS_CODE
+
+ESKEL_API const char *eskel_store_status_text(eskel_store_status status);
+
+typedef struct {
+	eskel_store_status status;
+	char text[256];
+} eskel_store_error;
+
+/* ---------------------------------------------------------------------------------------------- open */
+
+typedef struct eskel_store eskel_store;
+
+typedef struct {
+	uint64_t least_free_bytes; /* enrollment is refused (FULL) when the disk has less; default 64 MiB, so that
+	                              deletions still find room */
+} eskel_store_options;
+
+/* Creates the file (mode 0600) or opens it, brings its schema up to date step by step, and takes its lock. A file with
+ * another application id or a newer schema is refused untouched (FOREIGN). */
+ESKEL_API eskel_store_status eskel_store_open(const char *path, const eskel_store_options *options,
+	eskel_store **store, eskel_store_error *error);
+ESKEL_API void eskel_store_close(eskel_store *store);
+
+/* OK while reads work and writes are allowed: one cheap read, no lock taken. */
+ESKEL_API eskel_store_status eskel_store_ready(eskel_store *store, eskel_store_error *error);
+
+/* ---------------------------------------------------------------------------------------------- shape */
+
+#define ESKEL_ID_SIZE 33
+#define ESKEL_SHA256_SIZE 65
+
+typedef enum { ESKEL_SIDE_UNKNOWN, ESKEL_SIDE_LEFT, ESKEL_SIDE_RIGHT, ESKEL_SIDE_NONE } eskel_side;
+typedef enum { ESKEL_SEX_UNKNOWN, ESKEL_SEX_FEMALE, ESKEL_SEX_MALE } eskel_sex;
+
+typedef struct {
+	char *key, *value;
+} eskel_attribute;
+
+/* What people say of a shape. */
+typedef struct {
+	char *name, *class, *subject;
+	eskel_side side;
+	eskel_sex sex;
+	double age;                      /* years */
+	size_t attribute_count;
+	eskel_attribute *attributes;     /* ascending unique keys */
+} eskel_description;
+
+typedef struct {
+	int64_t key;                     /* the row's number: its key in an eskel_library; never used again */
+	char id[ESKEL_ID_SIZE];          /* first 32 hex digits of sha256 */
+	char sha256[ESKEL_SHA256_SIZE];  /* of the encoded canonical cloud */
+	int64_t revision;                /* 1 at first, plus 1 with each change of the description */
+	char created[25];                /* UTC, 2026-01-31T12:34:56Z */
+	int32_t label;                   /* in the volume that it came from */
+	uint64_t voxels;
+	double volume;                   /* mm^3 */
+	double centre[3];                /* mm, RAS */
+	uint32_t levels;
+	size_t warning_count;
+	eskel_warning *warnings;
+	eskel_description description;
+} eskel_shape;
+
+/* Frees what the members own, not the struct. */
+ESKEL_API void eskel_description_clear(eskel_description *description);
+ESKEL_API void eskel_shape_clear(eskel_shape *shape);
+ESKEL_API void eskel_shapes_free(eskel_shape *shapes, size_t count);
+
+/* The content id that a cloud has or would have in every store. */
+ESKEL_API eskel_store_status eskel_store_identify(const eskel_cloud *cloud, char id[ESKEL_ID_SIZE],
+	char sha256[ESKEL_SHA256_SIZE]);
+
+typedef struct {
+	const eskel_cloud *cloud;
+	const eskel_skeleton *skeleton;
+	const eskel_signature *signature;
+	const eskel_description *description;
+	int32_t label;
+	const eskel_warning *warnings;
+	size_t warning_count;
+} eskel_enrollment;
+
+/* Stores all or none in one transaction. A cloud that is there already, or twice in the call, stays one shape and is
+ * left as it is (created[i] false). shapes[count] are read back from the store; eskel_shape_clear each. actor is who
+ * asks, for the audit: a token's name or NULL. */
+ESKEL_API eskel_store_status eskel_store_enroll(eskel_store *store, const char *actor,
+	const eskel_enrollment *enrollments, size_t count, eskel_shape *shapes, bool *created,
+	eskel_store_error *error);
+
+ESKEL_API eskel_store_status eskel_store_shape(eskel_store *store, const char *id, eskel_shape *shape,
+	eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_shape_by_key(eskel_store *store, int64_t key, eskel_shape *shape,
+	eskel_store_error *error);
+
+/* Replaces the description. revision 0: whatever it is now; otherwise CONFLICT unless it is still that. */
+ESKEL_API eskel_store_status eskel_store_describe(eskel_store *store, const char *actor, const char *id,
+	int64_t revision, const eskel_description *description, eskel_shape *shape, eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_delete(eskel_store *store, const char *actor, const char *id,
+	int64_t revision, int64_t *key, eskel_store_error *error);
+
+/* The stored objects, their checksums verified (CORRUPT). */
+ESKEL_API eskel_store_status eskel_store_cloud(eskel_store *store, int64_t key, eskel_cloud **cloud,
+	eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_skeleton(eskel_store *store, int64_t key, eskel_skeleton **skeleton,
+	eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_signature(eskel_store *store, int64_t key, eskel_signature **signature,
+	eskel_store_error *error);
+
+/* ---------------------------------------------------------------------------------------------- list */
+
+/* Every given condition must hold. NULL, UNKNOWN, NaN and 0 mean no condition. */
+typedef struct {
+	const char *class, *subject, *not_subject;
+	eskel_side side;
+	eskel_sex sex;
+	double age_min, age_max;                 /* NaN: no condition */
+	const char *text;                        /* part of the name, class or subject, case folded for ASCII */
+	size_t attribute_count;
+	const eskel_attribute *attributes;       /* equal values */
+} eskel_filter;
+
+/* All of NaN and NULL: no condition. */
+ESKEL_API eskel_filter eskel_filter_none(void);
+ESKEL_API bool eskel_filter_is_none(const eskel_filter *filter);
+
+/* At most limit shapes with key > after, ascending; *more says whether others follow. */
+ESKEL_API eskel_store_status eskel_store_list(eskel_store *store, const eskel_filter *filter, int64_t after,
+	size_t limit, eskel_shape **shapes, size_t *count, bool *more, eskel_store_error *error);
+/* The keys alone, ascending: what a search compares with. free() them. */
+ESKEL_API eskel_store_status eskel_store_keys(eskel_store *store, const eskel_filter *filter, int64_t **keys,
+	size_t *count, eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_count(eskel_store *store, uint64_t *count, eskel_store_error *error);
+
+/* Calls each with every signature in one consistent read, ascending keys; false stops (OK is returned). The signature
+ * is the store's, valid during the call. */
+ESKEL_API eskel_store_status eskel_store_each_signature(eskel_store *store,
+	bool (*each)(void *context, int64_t key, const eskel_signature *signature), void *context,
+	eskel_store_error *error);
+
+/* ---------------------------------------------------------------------------------------------- tokens */
+
+typedef enum { ESKEL_ROLE_READ = 1, ESKEL_ROLE_WRITE, ESKEL_ROLE_ADMIN } eskel_role; /* each includes those before */
+
+#define ESKEL_TOKEN_TEXT_SIZE 65
+
+typedef struct {
+	int64_t number;
+	char name[65];
+	eskel_role role;
+	int64_t created, expires, revoked;       /* Unix seconds; 0: never */
+} eskel_token;
+
+/* Makes a token of 32 random bytes; its hex text is shown here once, only its SHA-256 is kept. */
+ESKEL_API eskel_store_status eskel_store_token_add(eskel_store *store, const char *name, eskel_role role,
+	int64_t expires, char text[ESKEL_TOKEN_TEXT_SIZE], eskel_token *token, eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_token_revoke(eskel_store *store, int64_t number, eskel_store_error *error);
+/* free() the array. */
+ESKEL_API eskel_store_status eskel_store_tokens(eskel_store *store, eskel_token **tokens, size_t *count,
+	eskel_store_error *error);
+/* NOT_FOUND for a token that is unknown, expired or revoked at the time now; all take the same time. */
+ESKEL_API eskel_store_status eskel_store_token_verify(eskel_store *store, const char *text, int64_t now,
+	eskel_token *token, eskel_store_error *error);
+
+/* ---------------------------------------------------------------------------------------------- audit */
+
+/* Each change (enroll, describe, delete, token add, token revoke) has one audit row, whose hash covers the row before.
+ * CORRUPT names the first row that breaks the chain. */
+ESKEL_API eskel_store_status eskel_store_audit_verify(eskel_store *store, uint64_t *rows, eskel_store_error *error);
+
+#endif
