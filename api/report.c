@@ -1,0 +1,1 @@
+#include "eskel_api.h"

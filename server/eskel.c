@@ -1,0 +1,5 @@
+#include "eskel_api.h"
+int main(void)
+{
+	return 0;
+}
