@@ -101,8 +101,9 @@ typedef struct {
 
 /* The voxels of one object. Always canonical, so that the same object is the same cloud whatever file it came
  * from: index axes permuted and flipped to the nearest RAS orientation, the least index on each axis is 0, runs
- * sorted by (z, y, x_first), disjoint and maximal, matrix entries rounded to float (what NIfTI can hold), the
- * offset to 1/1024 of the power of two next below the largest matrix entry. */
+ * sorted by (z, y, x_first), disjoint and maximal, matrix entries rounded to float (what NIfTI can hold) and to the
+ * float spacing of the largest entry in their column (noise about 0 is 0), the offset to 1/1024 of the power of two
+ * next below the largest matrix entry. */
 typedef struct {
 	eskel_affine affine;
 	uint64_t voxels;         /* sum of run lengths */
@@ -114,7 +115,8 @@ typedef struct {
 } eskel_cloud;
 
 /* Makes the canonical cloud of runs in any order, which may touch but not overlap (ESKEL_INVALID). Copies.
- * ESKEL_EMPTY for no runs; ESKEL_TOO_LARGE past 2^33 voxels or a weight sum past 2^44. O(n log n). */
+ * Weights are 1 to 2^20. ESKEL_EMPTY for no runs; ESKEL_TOO_LARGE past 2^27 runs, 2^33 voxels, a weight sum of 2^44
+ * or an extent of 65535. O(n log n) in the runs given and made. */
 ESKEL_API eskel_status eskel_cloud_new(const eskel_run *runs, const uint32_t *weights, size_t run_count,
 	const eskel_affine *affine, eskel_cloud **cloud, eskel_error *error);
 ESKEL_API void eskel_cloud_free(eskel_cloud *cloud);
