@@ -105,3 +105,15 @@ eskel_affine esk_orientation_apply(
 		out.m[r][3] = round_to_multiple(out.m[r][3], step);
 	return out;
 }
+
+bool esk_orientation_is_canonical(const eskel_affine *affine)
+{
+	if (eskel_affine_check(affine, NULL) != ESKEL_OK)
+		return false;
+	const double no_shift[3] = {0, 0, 0};
+	eskel_affine rounded = *affine;
+	esk_orientation o;
+	esk_orientation_choose(&rounded, &o);
+	eskel_affine canonical = esk_orientation_apply(&o, &rounded, no_shift);
+	return memcmp(&canonical, affine, sizeof canonical) == 0;
+}

@@ -17,4 +17,7 @@ void esk_orientation_choose(eskel_affine *affine, esk_orientation *orientation);
 eskel_affine esk_orientation_apply(
 	const esk_orientation *orientation, const eskel_affine *affine, const double origin[3]);
 
+/* Whether an affine is usable and its own canonical form. */
+bool esk_orientation_is_canonical(const eskel_affine *affine);
+
 #endif

@@ -343,6 +343,187 @@ static void volume_is_voxels_times_determinant(void **state)
 	eskel_cloud_free(cloud);
 }
 
+static void encoding_and_decoding_is_lossless(void **state)
+{
+	(void)state;
+	uint64_t seed = 7;
+	for (unsigned trial = 0; trial < 50; trial++) {
+		image im = random_image(&seed, 1 + trial % 4 * 300);
+		eskel_cloud *cloud = NULL, *decoded = NULL;
+		uint8_t *bytes = NULL;
+		size_t size = 0;
+		assert_int_equal(cloud_of_image(&im, true, &cloud, NULL), ESKEL_OK);
+		assert_int_equal(eskel_cloud_encode(cloud, &bytes, &size), ESKEL_OK);
+		assert_int_equal(eskel_cloud_decode(bytes, size, &decoded, NULL), ESKEL_OK);
+		assert_equal_clouds(decoded, cloud);
+		free(bytes);
+		eskel_cloud_free(cloud);
+		eskel_cloud_free(decoded);
+	}
+}
+
+static void the_largest_grid_survives_encoding(void **state)
+{
+	(void)state;
+	const eskel_run runs[] = {{0, 65534, 0, 0}, {65534, 65534, 65534, 65534}};
+	const uint32_t weights[] = {1 << 20, 1};
+	const eskel_affine identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+	eskel_cloud *cloud = NULL, *decoded = NULL;
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	assert_int_equal(eskel_cloud_new(runs, weights, 2, &identity, &cloud, NULL), ESKEL_OK);
+	assert_int_equal(eskel_cloud_encode(cloud, &bytes, &size), ESKEL_OK);
+	assert_int_equal(eskel_cloud_decode(bytes, size, &decoded, NULL), ESKEL_OK);
+	assert_equal_clouds(decoded, cloud);
+	free(bytes);
+	eskel_cloud_free(cloud);
+	eskel_cloud_free(decoded);
+}
+
+/* Whatever decode accepts, encode gives back: so no two byte strings are one cloud. */
+static bool accepts_only_its_own_encoding(const uint8_t *bytes, size_t size)
+{
+	eskel_cloud *cloud = NULL;
+	if (eskel_cloud_decode(bytes, size, &cloud, NULL) != ESKEL_OK) {
+		assert_null(cloud);
+		return false;
+	}
+	uint8_t *again = NULL;
+	size_t again_size = 0;
+	assert_int_equal(eskel_cloud_encode(cloud, &again, &again_size), ESKEL_OK);
+	assert_int_equal(again_size, size);
+	assert_memory_equal(again, bytes, size);
+	free(again);
+	eskel_cloud_free(cloud);
+	return true;
+}
+
+static void damaged_bytes_never_decode_to_another_encoding(void **state)
+{
+	(void)state;
+	uint64_t seed = 8;
+	size_t accepted = 0;
+	for (unsigned trial = 0; trial < 8; trial++) {
+		image im = random_image(&seed, 1 + trial % 2);
+		eskel_cloud *cloud = NULL;
+		uint8_t *bytes = NULL, *damaged = NULL;
+		size_t size = 0;
+		assert_int_equal(cloud_of_image(&im, true, &cloud, NULL), ESKEL_OK);
+		assert_int_equal(eskel_cloud_encode(cloud, &bytes, &size), ESKEL_OK);
+		damaged = malloc(size + 1);
+		assert_non_null(damaged);
+		for (int change = 0; change < 4000; change++) {
+			memcpy(damaged, bytes, size);
+			damaged[size] = (uint8_t)random_number(&seed);
+			for (uint32_t n = 1 + random_number(&seed) % 3; n > 0; n--)
+				damaged[random_number(&seed) % size] ^= (uint8_t)(1u << random_number(&seed) % 8);
+			accepted += accepts_only_its_own_encoding(damaged, size + random_number(&seed) % 2);
+		}
+		free(damaged);
+		free(bytes);
+		eskel_cloud_free(cloud);
+	}
+	/* Some changes give another object, which is fine; if none did, this test would show little. */
+	assert_true(accepted > 100);
+}
+
+static void every_truncation_is_refused(void **state)
+{
+	(void)state;
+	uint64_t seed = 9;
+	image im = random_image(&seed, 2);
+	eskel_cloud *cloud = NULL, *decoded = NULL;
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	assert_int_equal(cloud_of_image(&im, true, &cloud, NULL), ESKEL_OK);
+	assert_int_equal(eskel_cloud_encode(cloud, &bytes, &size), ESKEL_OK);
+	for (size_t n = 0; n < size; n++) {
+		uint8_t *exact = malloc(n ? n : 1); /* so that a sanitizer sees a read past the end */
+		assert_non_null(exact);
+		memcpy(exact, bytes, n);
+		assert_int_equal(eskel_cloud_decode(exact, n, &decoded, NULL), ESKEL_TRUNCATED);
+		free(exact);
+	}
+	assert_null(decoded);
+	free(bytes);
+	eskel_cloud_free(cloud);
+}
+
+/* The encoding of two voxels in one row, (0, 0, 0) and (2, 0, 0), spelled out from the format's description. */
+static size_t two_voxels(uint8_t bytes[128])
+{
+	static const uint8_t head[] = {1, 0}, rest[] = {3, 0, 1, 0, 1, 0, 2, 1, 0, 0, 0, 1, 0};
+	memset(bytes, 0, 128);
+	memcpy(bytes, head, sizeof head);
+	for (int entry = 0; entry < 12; entry += 5) /* the diagonal is 1, 0x3ff0000000000000 */
+		memcpy(bytes + 2 + 8 * entry + 6, "\xf0\x3f", 2);
+	memcpy(bytes + 98, rest, sizeof rest);
+	return 98 + sizeof rest;
+}
+
+static void the_format_is_as_described(void **state)
+{
+	(void)state;
+	const eskel_run runs[] = {{0, 0, 0, 0}, {2, 2, 0, 0}};
+	const eskel_affine identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+	eskel_cloud *cloud = NULL;
+	uint8_t *bytes = NULL, expected[128];
+	size_t size = 0;
+	assert_int_equal(eskel_cloud_new(runs, NULL, 2, &identity, &cloud, NULL), ESKEL_OK);
+	assert_int_equal(eskel_cloud_encode(cloud, &bytes, &size), ESKEL_OK);
+	assert_int_equal(size, two_voxels(expected));
+	assert_memory_equal(bytes, expected, size);
+	free(bytes);
+	eskel_cloud_free(cloud);
+}
+
+static void bytes_that_no_encode_made_are_refused_by_their_fault(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *what;
+		size_t at;
+		uint8_t value;
+		eskel_status status;
+	} faults[] = {
+		{"a later version", 0, 2, ESKEL_MALFORMED},
+		{"an unknown flag", 1, 2, ESKEL_TRUNCATED}, /* it promises weights */
+		{"a left-handed affine", 2 + 7, 0xbf, ESKEL_MALFORMED},
+		{"an affine with more bits than a float", 2, 1, ESKEL_MALFORMED},
+		{"a singular affine", 2 + 7, 0, ESKEL_MALFORMED},
+		{"an offset off its grid", 2 + 24, 1, ESKEL_MALFORMED},
+		{"an offset of -0", 2 + 31, 0x80, ESKEL_MALFORMED},
+		{"an extent that is too long", 98, 4, ESKEL_MALFORMED},
+		{"no extent along y", 100, 0, ESKEL_MALFORMED},
+		{"no runs", 104, 0, ESKEL_MALFORMED},
+		{"too few runs", 104, 1, ESKEL_MALFORMED},
+		{"more runs than bytes", 104, 3, ESKEL_TRUNCATED},
+		{"a first run before the first row", 105, 0, ESKEL_MALFORMED},
+		{"a first row that is not 0", 105, 2, ESKEL_MALFORMED},
+		{"a first voxel that is not 0", 106, 2, ESKEL_MALFORMED},
+		{"a run before the grid", 106, 1, ESKEL_MALFORMED},
+		{"runs that touch", 109, 0, ESKEL_MALFORMED},
+		{"a run past its extent", 110, 1, ESKEL_MALFORMED},
+	};
+	uint8_t bytes[128];
+	eskel_cloud *cloud = NULL;
+	eskel_error error;
+	for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+		size_t size = two_voxels(bytes);
+		assert_true(accepts_only_its_own_encoding(bytes, size));
+		bytes[faults[i].at] = faults[i].value;
+		eskel_status status = eskel_cloud_decode(bytes, size, &cloud, &error);
+		if (status != faults[i].status || error.status != status)
+			fail_msg("%s: %s (%s)", faults[i].what, eskel_status_text(status), error.text);
+	}
+	size_t size = two_voxels(bytes);
+	assert_int_equal(eskel_cloud_decode(bytes, size + 1, &cloud, NULL), ESKEL_MALFORMED);
+	/* 0x80 0x00 is a longer way to write the last 0. */
+	bytes[size - 1] = 0x80;
+	assert_int_equal(eskel_cloud_decode(bytes, size + 1, &cloud, NULL), ESKEL_MALFORMED);
+	assert_null(cloud);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -356,6 +537,12 @@ int main(void)
 		cmocka_unit_test(touching_runs_join_when_they_weigh_the_same),
 		cmocka_unit_test(unusable_runs_are_refused_with_their_values),
 		cmocka_unit_test(volume_is_voxels_times_determinant),
+		cmocka_unit_test(encoding_and_decoding_is_lossless),
+		cmocka_unit_test(the_largest_grid_survives_encoding),
+		cmocka_unit_test(damaged_bytes_never_decode_to_another_encoding),
+		cmocka_unit_test(every_truncation_is_refused),
+		cmocka_unit_test(the_format_is_as_described),
+		cmocka_unit_test(bytes_that_no_encode_made_are_refused_by_their_fault),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
