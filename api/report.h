@@ -1,0 +1,28 @@
+/* The layouts of a report, one a kind of answer.
+ *
+ * Each takes all answers, an array of {"source": what was asked about, "answer": the API's body}, and writes them.
+ * False when memory ran out. A member that is absent, or null, or not of its type is shown as "-": an older or newer
+ * server's answer still makes a table. */
+#ifndef ESK_REPORT_H
+#define ESK_REPORT_H
+
+#include "report_table.h"
+
+#include <jansson.h>
+
+bool esk_report_shapes(const json_t *answers, FILE *out, bool colour);
+bool esk_report_shape(const json_t *answers, FILE *out, bool colour);
+bool esk_report_skeleton(const json_t *answers, FILE *out, bool colour);
+bool esk_report_recognition(const json_t *answers, FILE *out, bool colour);
+bool esk_report_distances(const json_t *answers, FILE *out, bool colour);
+
+/* The member's text, or "-". */
+const char *esk_report_member(const json_t *object, const char *member);
+
+/* A cell with the member's number, or "-". */
+void esk_report_number(esk_table *table, const json_t *object, const char *member, int decimals);
+
+/* What a person calls a shape: its name, or else the source with its label. */
+void esk_report_name(esk_table *table, const json_t *shape, const char *source);
+
+#endif

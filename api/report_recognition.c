@@ -1,0 +1,98 @@
+/* Recognitions: a row each with the verdict and the nearest shape; a single one also with all its neighbours. */
+#include "report.h"
+
+static const esk_column verdict_columns[] = {{"query", false}, {"class", false}, {"side", false}, {"nearest", false},
+	{"distance", true}, {"chirality", false}, {"score", true}, {"agrees", false}, {"ms", true}};
+
+static const esk_column neighbour_columns[] = {{"", true}, {"name", false}, {"class", false}, {"side", false},
+	{"subject", false}, {"distance", true}, {"chirality", false}, {"score", true}, {"id", false}};
+
+/* Whether the verdict agrees with what is recorded of the query. */
+static void add_agreement(esk_table *table, const json_t *verdict)
+{
+	const json_t *agrees = json_object_get(verdict, "agrees");
+	if (json_is_true(agrees))
+		esk_table_toned_cell(table, ESK_TONE_GOOD, "yes");
+	else if (json_is_false(agrees))
+		esk_table_toned_cell(table, ESK_TONE_BAD, "no");
+	else
+		esk_table_cell(table, "-");
+}
+
+static void add_chirality(esk_table *table, const json_t *neighbour)
+{
+	const json_t *chirality = json_object_get(neighbour, "chirality");
+	esk_table_cell(table, esk_report_member(chirality, "verdict"));
+	esk_report_number(table, chirality, "score", 2);
+}
+
+static void add_verdict(esk_table *table, const json_t *result, const char *source)
+{
+	const json_t *verdict = json_object_get(result, "verdict");
+	const json_t *nearest = json_array_get(json_object_get(result, "neighbours"), 0);
+	esk_report_name(table, json_object_get(result, "query"), source);
+	esk_table_cell(table, esk_report_member(verdict, "class"));
+	esk_table_cell(table, esk_report_member(verdict, "side"));
+	esk_report_name(table, nearest, esk_report_member(nearest, "id"));
+	esk_report_number(table, nearest, "distance", 4);
+	add_chirality(table, nearest);
+	add_agreement(table, verdict);
+	esk_report_number(table, json_object_get(result, "search"), "milliseconds", 1);
+}
+
+static void add_neighbour(esk_table *table, const json_t *neighbour, size_t rank)
+{
+	esk_table_format(table, "%zu", rank);
+	esk_report_name(table, neighbour, "-");
+	esk_table_cell(table, esk_report_member(neighbour, "class"));
+	esk_table_cell(table, esk_report_member(neighbour, "side"));
+	esk_table_cell(table, esk_report_member(neighbour, "subject"));
+	esk_report_number(table, neighbour, "distance", 4);
+	add_chirality(table, neighbour);
+	esk_table_cell(table, esk_report_member(neighbour, "id"));
+}
+
+static bool write_neighbours(const json_t *result, FILE *out, bool colour)
+{
+	size_t i;
+	json_t *neighbour;
+	esk_table *table = esk_table_new(neighbour_columns, sizeof neighbour_columns / sizeof *neighbour_columns);
+	json_array_foreach(json_object_get(result, "neighbours"), i, neighbour) add_neighbour(table, neighbour, i + 1);
+	fputc('\n', out);
+	bool whole = esk_table_write(table, out, colour);
+	esk_table_free(table);
+	return whole;
+}
+
+static void write_search(const json_t *search, FILE *out)
+{
+	fprintf(out, "\nsearched %lld shapes, mode ",
+		(long long)json_integer_value(json_object_get(search, "library")));
+	esk_table_write_plain(out, esk_report_member(search, "mode"));
+	fputs(json_is_true(json_object_get(search, "proven")) ? ": proven, no other shape is nearer\n"
+							      : ": not proven, a nearer shape may have been pruned\n",
+		out);
+}
+
+bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)
+{
+	size_t i, j, count = 0;
+	json_t *entry, *result, *only = NULL;
+	esk_table *table = esk_table_new(verdict_columns, sizeof verdict_columns / sizeof *verdict_columns);
+	json_array_foreach(answers, i, entry)
+	{
+		json_array_foreach(json_object_get(json_object_get(entry, "answer"), "results"), j, result)
+		{
+			add_verdict(table, result, esk_report_member(entry, "source"));
+			count++;
+			only = result;
+		}
+	}
+	bool whole = esk_table_write(table, out, colour);
+	esk_table_free(table);
+	if (count == 1) {
+		whole = write_neighbours(only, out, colour) && whole;
+		write_search(json_object_get(only, "search"), out);
+	}
+	return whole;
+}

@@ -1,0 +1,248 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "eskel_report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static eskel_report *report_of(eskel_report_kind kind)
+{
+	eskel_report *report = NULL;
+	assert_int_equal(eskel_report_new(kind, &report), ESKEL_OK);
+	return report;
+}
+
+static void add(eskel_report *report, const char *source, const char *json)
+{
+	assert_int_equal(eskel_report_add(report, source, json, strlen(json)), ESKEL_OK);
+}
+
+static void assert_text(const eskel_report *report, bool colour, const char *expected)
+{
+	char *text = eskel_report_text(report, colour);
+	assert_non_null(text);
+	assert_string_equal(text, expected);
+	free(text);
+}
+
+static const char femur[] =
+	"{\"shapes\":[{\"id\":\"0123456789abcdef0123456789abcdef\",\"name\":\"femur_left\",\"class\":\"femur\","
+	"\"side\":\"left\",\"subject\":null,\"label\":1,\"voxels\":123456,\"volume_mm3\":98765.43,\"levels\":16,"
+	"\"warnings\":[]}],"
+	"\"next\":null}";
+
+static void answers_are_rows_under_one_heading(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
+	add(report, "a.nii", femur);
+	add(report, "b.nii", "{\"shapes\":[{\"id\":\"ff\",\"label\":7}]}");
+	assert_text(report, false,
+		"id                                name        class  side  subject  label  voxels  volume mm³  "
+		"levels\n"
+		"0123456789abcdef0123456789abcdef  femur_left  femur  left  -            1  123456     98765.4      "
+		"16\n"
+		"ff                                b.nii:7     -      -     -            7       -           -       "
+		"-\n");
+	eskel_report_free(report);
+}
+
+static void a_report_without_answers_is_empty(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
+	assert_text(report, true, "");
+	eskel_report_free(report);
+}
+
+static void an_answer_of_another_kind_is_refused(void **state)
+{
+	(void)state;
+	const char *const wrong[] = {"", "[]", "{}", "null", "{\"shapes\":3}", "{\"results\":[]}", "<html>"};
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+		if (eskel_report_add(report, "x", wrong[i], strlen(wrong[i])) != ESKEL_MALFORMED)
+			fail_msg("taken: %s", wrong[i]);
+	assert_text(report, false, "");
+	eskel_report_free(report);
+}
+
+static void control_characters_cannot_reach_the_terminal(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
+	add(report, "a\033[2Jb",
+		"{\"shapes\":[{\"id\":\"\\u001b]0;x\\u0007\",\"name\":\"\\u009b31m\\n\"},{\"id\":\"i\"}]}");
+	char *text = eskel_report_text(report, false);
+	for (const char *c = text; *c; c++)
+		assert_true((unsigned char)*c >= 0x20 || *c == '\n');
+	assert_null(strstr(text, "\xc2\x9b"));
+	assert_non_null(strstr(text, "?]0;x?"));
+	assert_non_null(strstr(text, "?31m?"));
+	assert_non_null(strstr(text, "a?[2Jb"));
+	free(text);
+	eskel_report_free(report);
+}
+
+static void a_warning_is_a_line_below_the_table(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
+	add(report, "a.nii",
+		"{\"shapes\":[{\"id\":\"1\",\"name\":\"talus\",\"warnings\":[{\"code\":\"few_voxels\",\"text\":\"only "
+		"3 voxels\"}]}]}");
+	char *text = eskel_report_text(report, false);
+	assert_non_null(strstr(text, "\nwarning: talus: only 3 voxels\n"));
+	free(text);
+	eskel_report_free(report);
+}
+
+static void the_cursor_of_a_longer_list_is_told(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
+	add(report, "", "{\"shapes\":[{\"id\":\"1\"}],\"next\":\"abc\"}");
+	char *text = eskel_report_text(report, false);
+	assert_non_null(strstr(text, "\nmore follow: add --cursor abc\n"));
+	free(text);
+	eskel_report_free(report);
+}
+
+static void one_shape_is_shown_member_by_member(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SHAPE);
+	add(report, "",
+		"{\"id\":\"12\",\"name\":null,\"centre_mm\":[1.5,-2.0,3.25],\"attributes\":{\"scanner\":\"CT\"},"
+		"\"warnings\":[]}");
+	assert_text(report, false,
+		"member      value\n"
+		"id          12\n"
+		"name        -\n"
+		"centre_mm   [1.5,-2.0,3.25]\n"
+		"attributes  {\"scanner\":\"CT\"}\n");
+	eskel_report_free(report);
+}
+
+#define NEIGHBOUR \
+	"{\"id\":\"77\",\"name\":\"femur_right\",\"class\":\"femur\",\"side\":\"right\",\"subject\":\"VHM\"," \
+	"\"distance\":0.12345,\"chirality\":{\"verdict\":\"mirrored\",\"score\":-0.456}}"
+
+static const char wrong_label[] =
+	"{\"results\":[{\"query\":{\"name\":\"femur_left\",\"label\":1},\"search\":{\"mode\":\"exact\","
+	"\"proven\":true,\"library\":78,\"milliseconds\":1.25},\"neighbours\":[" NEIGHBOUR "],"
+	"\"verdict\":{\"class\":\"femur\",\"side\":\"right\",\"agrees\":false}}]}";
+
+static void a_recognition_says_class_side_and_whether_the_label_agrees(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_RECOGNITION);
+	add(report, "a.nii", wrong_label);
+	add(report, "b.nii",
+		"{\"results\":[{\"query\":{\"name\":null,\"label\":2},\"neighbours\":[],\"verdict\":{\"class\":null,"
+		"\"agrees\":null}}]}");
+	assert_text(report, false,
+		"query       class  side   nearest      distance  chirality  score  agrees   ms\n"
+		"femur_left  femur  right  femur_right    0.1235  mirrored   -0.46  no      1.2\n"
+		"b.nii:2     -      -      -                   -  -              -  -         -\n");
+	assert_int_equal(eskel_report_unrecognized(report), 1);
+	eskel_report_free(report);
+}
+
+static void a_single_recognition_lists_its_neighbours_and_what_was_searched(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_RECOGNITION);
+	add(report, "a.nii", wrong_label);
+	char *text = eskel_report_text(report, false);
+	assert_non_null(strstr(text, "\n1  femur_right  femur  right  VHM        0.1235  mirrored   -0.46  77\n"));
+	assert_non_null(strstr(text, "\nsearched 78 shapes, mode exact: proven, no other shape is nearer\n"));
+	free(text);
+	eskel_report_free(report);
+}
+
+static void colour_marks_a_label_that_disagrees(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_RECOGNITION);
+	add(report, "a.nii", wrong_label);
+	char *text = eskel_report_text(report, true);
+	assert_non_null(strstr(text, "\033[31mno\033[0m"));
+	free(text);
+	eskel_report_free(report);
+}
+
+static void a_matrix_has_one_numbered_column_a_row(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_DISTANCES);
+	add(report, "", "{\"ids\":[\"11\",\"22\"],\"names\":[\"talus\",null],\"distances\":[[0,1.5],[1.5,0]]}");
+	assert_text(report, false,
+		"   name       1      2\n"
+		"1  talus  0.000  1.500\n"
+		"2  22     1.500  0.000\n");
+	eskel_report_free(report);
+}
+
+static void a_skeleton_shows_its_levels_and_its_deepest_classes(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_SKELETON);
+	add(report, "rod.nii:1",
+		"{\"levels\":[{\"level\":1,\"intraclass_ratio\":1,\"split_class\":null,\"split_ratio\":0,"
+		"\"degenerate\":false},"
+		"{\"level\":2,\"intraclass_ratio\":0.25,\"split_class\":0,\"split_ratio\":0.25,\"degenerate\":true}],"
+		"\"nodes\":[{\"level\":1,\"class\":0},{\"level\":2,\"class\":0,\"parent\":0,\"voxels\":8,\"centre_mm\":"
+		"[-2,0,0],"
+		"\"eigenvalues_mm2\":[4,1,0.25],\"rho_mm\":2},{\"level\":2,\"class\":1,\"parent\":0,\"voxels\":7,"
+		"\"centre_mm\":[2,0,0],\"eigenvalues_mm2\":[4,1,0.25],\"rho_mm\":2}]}");
+	assert_text(report, false,
+		"rod.nii:1\n"
+		"level  intraclass ratio  split class  split ratio  degenerate\n"
+		"    1            1.0000            -       0.0000  no\n"
+		"    2            0.2500            0       0.2500  yes\n"
+		"\n"
+		"the classes of level 2\n"
+		"class  parent  voxels  x mm  y mm  z mm  √λ1 mm  √λ2 mm  √λ3 mm  ρ mm\n"
+		"    0       0       8  -2.0   0.0   0.0    2.00    1.00    0.50  2.00\n"
+		"    1       0       7   2.0   0.0   0.0    2.00    1.00    0.50  2.00\n");
+	eskel_report_free(report);
+}
+
+static void a_problem_is_its_detail_or_its_title(void **state)
+{
+	(void)state;
+	const char detailed[] = "{\"title\":\"Not Found\",\"status\":404,\"detail\":\"there is no shape 12\\n\"}";
+	const char titled[] = "{\"title\":\"Not Found\"}";
+	char *text = eskel_report_problem(detailed, strlen(detailed));
+	assert_string_equal(text, "there is no shape 12?");
+	free(text);
+	text = eskel_report_problem(titled, strlen(titled));
+	assert_string_equal(text, "Not Found");
+	free(text);
+	assert_null(eskel_report_problem("<html>", 6));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(answers_are_rows_under_one_heading),
+		cmocka_unit_test(a_report_without_answers_is_empty),
+		cmocka_unit_test(an_answer_of_another_kind_is_refused),
+		cmocka_unit_test(control_characters_cannot_reach_the_terminal),
+		cmocka_unit_test(a_warning_is_a_line_below_the_table),
+		cmocka_unit_test(the_cursor_of_a_longer_list_is_told),
+		cmocka_unit_test(one_shape_is_shown_member_by_member),
+		cmocka_unit_test(a_recognition_says_class_side_and_whether_the_label_agrees),
+		cmocka_unit_test(a_single_recognition_lists_its_neighbours_and_what_was_searched),
+		cmocka_unit_test(colour_marks_a_label_that_disagrees),
+		cmocka_unit_test(a_matrix_has_one_numbered_column_a_row),
+		cmocka_unit_test(a_skeleton_shows_its_levels_and_its_deepest_classes),
+		cmocka_unit_test(a_problem_is_its_detail_or_its_title),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
