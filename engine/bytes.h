@@ -28,6 +28,14 @@ static inline double esk_bytes_get_f64(const uint8_t *b)
 	return value;
 }
 
+static inline float esk_bytes_get_f32(const uint8_t *b)
+{
+	uint32_t bits = esk_bytes_get_u32(b);
+	float value;
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
 static inline void esk_bytes_put_u16(uint8_t *b, uint16_t v)
 {
 	b[0] = (uint8_t)v;
@@ -51,6 +59,13 @@ static inline void esk_bytes_put_f64(uint8_t *b, double v)
 	uint64_t bits;
 	memcpy(&bits, &v, sizeof bits);
 	esk_bytes_put_u64(b, bits);
+}
+
+static inline void esk_bytes_put_f32(uint8_t *b, float v)
+{
+	uint32_t bits;
+	memcpy(&bits, &v, sizeof bits);
+	esk_bytes_put_u32(b, bits);
 }
 
 #endif

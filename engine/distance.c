@@ -1,1 +1,232 @@
-#include "eskel.h"
+/* Distances and matches of two shapes (sections 5.2.1 and 5.2.2).
+ *
+ * At a level, the cost of a pair of classes is the Manhattan (or Euclidean) distance between their numbers, and the
+ * distance is the least cost of a bijection. It grows with k, so levels are put together as means per class.
+ * Where we differ from the paper: logarithms by default, all levels instead of one, and a term for size (eskel.h).
+ *
+ * The distance from a to b is that from b to a, bit for bit: a level's matching is always solved with the shape
+ * whose numbers come first in lexicographic order as the rows, so ties and rounding fall the same way. */
+#include "distance.h"
+
+#include "assignment.h"
+#include "memory.h"
+#include "signature.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { default_level = 10 };
+static const double size_weight = 0.2;
+
+eskel_status esk_query_init(esk_query *query, esk_shape shape, const eskel_distance_options *options)
+{
+	const eskel_distance_options chosen = options ? *options : (eskel_distance_options){0};
+	if ((unsigned)chosen.signature > ESKEL_SIGNATURE_PAPER || (unsigned)chosen.distance > ESKEL_DISTANCE_LEVEL ||
+		(unsigned)chosen.metric > ESKEL_METRIC_EUCLIDEAN || (unsigned)chosen.size > ESKEL_SIZE_FREE ||
+		chosen.level > ESKEL_LEVELS_MAX)
+		return ESKEL_INVALID;
+	esk_query made = {
+		.shape = shape,
+		.signature = chosen.signature,
+		.euclidean = chosen.metric == ESKEL_METRIC_EUCLIDEAN,
+		.size_counts = chosen.size == ESKEL_SIZE_FIXED,
+		.summed = chosen.distance == ESKEL_DISTANCE_SUM,
+		.deepest = chosen.level ? chosen.level : default_level,
+	};
+	if (made.summed)
+		made.deepest = ESK_SUMMED_LEVELS;
+	const uint32_t levels = esk_shape_level_count(shape);
+	if (made.signature == ESKEL_SIGNATURE_PAPER) {
+		made.lengths = esk_memory_array(ESKEL_NODES(levels), ESK_PAPER_NUMBERS * sizeof(float));
+		if (!made.lengths)
+			return ESKEL_NO_MEMORY;
+	}
+	for (uint32_t k = 1; k <= levels; k++) {
+		float *scratch = made.lengths ? made.lengths + ESK_PAPER_NUMBERS * ESKEL_NODES(k - 1) : NULL;
+		made.rows[k - 1] = esk_query_rows(&made, shape, k, scratch);
+	}
+	*query = made;
+	return ESKEL_OK;
+}
+
+void esk_query_clear(esk_query *query)
+{
+	free(query->lengths);
+	query->lengths = NULL;
+}
+
+uint32_t esk_query_depth(const esk_query *query, esk_shape other)
+{
+	uint32_t depth = query->deepest;
+	if (depth > esk_shape_level_count(query->shape))
+		depth = esk_shape_level_count(query->shape);
+	if (depth > esk_shape_level_count(other))
+		depth = esk_shape_level_count(other);
+	return depth;
+}
+
+double esk_query_size_term(const esk_query *query, esk_shape other)
+{
+	if (query->signature == ESKEL_SIGNATURE_PAPER || !query->size_counts)
+		return 0;
+	return size_weight * (double)fabsf(esk_shape_log_volume(query->shape) - esk_shape_log_volume(other));
+}
+
+const float *esk_query_rows(const esk_query *query, esk_shape other, uint32_t level, float *scratch)
+{
+	const float *features = esk_shape_features(other, level);
+	if (query->signature == ESKEL_SIGNATURE_LOG)
+		return features;
+	float unit = query->size_counts ? esk_shape_scale(other) : 1;
+	esk_features_lengths(features, (size_t)ESK_PAPER_NUMBERS * level, unit, scratch);
+	return scratch;
+}
+
+/* costs[i * k + j]: from class i of a to class j of b. Sums run over the numbers in order. */
+static void class_costs(const esk_query *query, uint32_t k, const float *a, const float *b, float *costs)
+{
+	const uint32_t numbers = esk_numbers(query->signature);
+	for (uint32_t i = 0; i < k; i++) {
+		float *row = costs + i * k;
+		memset(row, 0, k * sizeof *row);
+		for (uint32_t c = 0; c < numbers; c++) {
+			const float mine = a[c * k + i], *theirs = b + c * k;
+			if (query->euclidean)
+				for (uint32_t j = 0; j < k; j++)
+					row[j] += (mine - theirs[j]) * (mine - theirs[j]);
+			else
+				for (uint32_t j = 0; j < k; j++)
+					row[j] += fabsf(mine - theirs[j]);
+		}
+		if (query->euclidean)
+			for (uint32_t j = 0; j < k; j++)
+				row[j] = sqrtf(row[j]);
+	}
+}
+
+static bool comes_first(const float *a, const float *b, uint32_t count)
+{
+	for (uint32_t n = 0; n < count; n++)
+		if (a[n] != b[n])
+			return a[n] < b[n];
+	return true;
+}
+
+/* The least cost, with the costs and the columns of rows that give it; whether rows are classes of b. */
+static double solve_level(const esk_query *query, uint32_t k, const float *a, const float *b, float *costs,
+	uint32_t *column_of_row, bool *swapped)
+{
+	*swapped = !comes_first(a, b, esk_numbers(query->signature) * k);
+	if (*swapped)
+		class_costs(query, k, b, a, costs);
+	else
+		class_costs(query, k, a, b, costs);
+	return esk_assignment_solve(k, costs, column_of_row);
+}
+
+double esk_query_level(const esk_query *query, esk_shape other, uint32_t level)
+{
+	float scratch[ESK_LEVEL_FLOATS_MAX], costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	uint32_t column_of_row[ESKEL_LEVELS_MAX];
+	bool swapped;
+	const float *theirs = esk_query_rows(query, other, level, scratch);
+	double cost = solve_level(query, level, query->rows[level - 1], theirs, costs, column_of_row, &swapped);
+	return query->signature == ESKEL_SIGNATURE_LOG ? cost / level : cost;
+}
+
+double esk_query_combine(const esk_query *query, esk_shape other, const double *levels)
+{
+	const uint32_t depth = esk_query_depth(query, other);
+	if (!query->summed)
+		return levels[depth - 1] + esk_query_size_term(query, other);
+	double sum = 0;
+	for (uint32_t k = 1; k <= depth; k++)
+		sum += query->signature == ESKEL_SIGNATURE_LOG ? levels[k - 1] : levels[k - 1] / k;
+	if (query->signature == ESKEL_SIGNATURE_LOG)
+		sum /= depth;
+	return sum + esk_query_size_term(query, other);
+}
+
+double esk_query_distance(const esk_query *query, esk_shape other, double *levels)
+{
+	double unasked[ESKEL_LEVELS_MAX];
+	const uint32_t depth = esk_query_depth(query, other);
+	const uint32_t first = query->summed || levels ? 1 : depth;
+	if (!levels)
+		levels = unasked;
+	for (uint32_t k = first; k <= depth; k++)
+		levels[k - 1] = esk_query_level(query, other, k);
+	return esk_query_combine(query, other, levels);
+}
+
+/* Two signatures made comparable. */
+typedef struct {
+	esk_columns *columns;
+	esk_query query;
+	esk_shape other;
+} pair;
+
+static eskel_status pair_init(
+	pair *p, const eskel_signature *a, const eskel_signature *b, const eskel_distance_options *options)
+{
+	esk_columns *columns = NULL;
+	eskel_status status = esk_columns_new(2, &columns);
+	if (status == ESKEL_OK)
+		status = esk_columns_put(columns, 0, a);
+	if (status == ESKEL_OK)
+		status = esk_columns_put(columns, 1, b);
+	if (status == ESKEL_OK)
+		status = esk_query_init(&p->query, (esk_shape){columns, 0}, options);
+	if (status != ESKEL_OK) {
+		esk_columns_free(columns);
+		return status;
+	}
+	p->columns = columns;
+	p->other = (esk_shape){columns, 1};
+	return ESKEL_OK;
+}
+
+static void pair_clear(pair *p)
+{
+	esk_query_clear(&p->query);
+	esk_columns_free(p->columns);
+}
+
+eskel_status eskel_distance(const eskel_signature *a, const eskel_signature *b, const eskel_distance_options *options,
+	double *distance, double *levels, uint32_t *level_count)
+{
+	pair p;
+	eskel_status status = pair_init(&p, a, b, options);
+	if (status != ESKEL_OK)
+		return status;
+	*distance = esk_query_distance(&p.query, p.other, levels);
+	if (level_count)
+		*level_count = esk_query_depth(&p.query, p.other);
+	pair_clear(&p);
+	return ESKEL_OK;
+}
+
+eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *b,
+	const eskel_distance_options *options, uint32_t level, eskel_match *match)
+{
+	if (level < 1 || level > a->level_count || level > b->level_count)
+		return ESKEL_INVALID;
+	pair p;
+	eskel_status status = pair_init(&p, a, b, options);
+	if (status != ESKEL_OK)
+		return status;
+	float scratch[ESK_LEVEL_FLOATS_MAX], costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	uint32_t column_of_row[ESKEL_LEVELS_MAX];
+	bool swapped;
+	const float *theirs = esk_query_rows(&p.query, p.other, level, scratch);
+	match->level = level;
+	match->cost = solve_level(&p.query, level, p.query.rows[level - 1], theirs, costs, column_of_row, &swapped);
+	for (uint32_t row = 0; row < level; row++) {
+		uint32_t column = column_of_row[row], mine = swapped ? column : row;
+		match->other[mine] = swapped ? row : column;
+		match->pair_cost[mine] = (double)costs[row * level + column];
+	}
+	pair_clear(&p);
+	return ESKEL_OK;
+}

@@ -1,0 +1,35 @@
+/* The one way to a distance: eskel_distance, matches, distance tables and both searches compute every D_k here, so all
+ * agree to the last bit. */
+#ifndef ESK_DISTANCE_H
+#define ESK_DISTANCE_H
+
+#include "feature_columns.h"
+
+/* One shape about to be compared with many. */
+typedef struct {
+	esk_shape shape;
+	eskel_signature_kind signature;
+	bool euclidean, size_counts, summed;
+	uint32_t deepest;                    /* no level above this counts in the distance */
+	const float *rows[ESKEL_LEVELS_MAX]; /* the numbers of level k, at k - 1: esk_numbers(signature) rows of k */
+	float *lengths;                      /* owned; what rows point into for the paper's signature */
+} esk_query;
+
+/* ESKEL_INVALID when an option is outside its range; NULL means all defaults. The shape's columns must outlive it. */
+eskel_status esk_query_init(esk_query *query, esk_shape shape, const eskel_distance_options *options);
+void esk_query_clear(esk_query *query);
+
+/* The deepest level that counts between the two. */
+uint32_t esk_query_depth(const esk_query *query, esk_shape other);
+/* What the difference in size adds to a distance: zero or more. */
+double esk_query_size_term(const esk_query *query, esk_shape other);
+/* The numbers of another shape as the query's rows: into scratch[ESK_LEVEL_FLOATS_MAX], or where they are. */
+const float *esk_query_rows(const esk_query *query, esk_shape other, uint32_t level, float *scratch);
+/* D_k at a level that both have. */
+double esk_query_level(const esk_query *query, esk_shape other, uint32_t level);
+/* The distance from D_1..D_depth, of which only the last is used unless levels are summed. */
+double esk_query_combine(const esk_query *query, esk_shape other, const double *levels);
+/* The distance, and all of D_1..D_depth into levels unless NULL. */
+double esk_query_distance(const esk_query *query, esk_shape other, double *levels);
+
+#endif

@@ -1,0 +1,69 @@
+/* ln, exp and the cube root from IEEE basic operations alone, in a fixed order.
+ *
+ * The C library's own differ in the last bit between versions and, because they choose fused multiply-add at run time,
+ * between processors. Features must be the same bits everywhere, and these loops vectorise. */
+#ifndef ESK_ELEMENTARY_H
+#define ESK_ELEMENTARY_H
+
+#include <stdint.h>
+#include <string.h>
+
+/* x positive and normal. Within 1e-15 of ln x, relative to the larger of |ln x| and 1. */
+static inline double esk_elementary_log(double x)
+{
+	/* x = 2^exponent m with m in [sqrt 1/2, sqrt 2): the bits of sqrt 1/2 are subtracted, so that the exponent field
+	 * of what is left counts whole octaves above it. */
+	const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, exponent_field = 0xfff0000000000000;
+	uint64_t bits, shifted;
+	memcpy(&bits, &x, sizeof bits);
+	shifted = (bits - sqrt_half) & exponent_field;
+	double exponent = (double)((int32_t)(shifted >> 32) / (1 << 20)), m;
+	bits -= shifted;
+	memcpy(&m, &bits, sizeof m);
+	/* ln m = 2 artanh s, s = (m - 1) / (m + 1), |s| < 0.1716; the first term left out is 2 s^21 / 21 < 1e-17. */
+	double s = (m - 1) / (m + 1), t = s * s;
+	double series = 1.0 / 19;
+	series = series * t + 1.0 / 17;
+	series = series * t + 1.0 / 15;
+	series = series * t + 1.0 / 13;
+	series = series * t + 1.0 / 11;
+	series = series * t + 1.0 / 9;
+	series = series * t + 1.0 / 7;
+	series = series * t + 1.0 / 5;
+	series = series * t + 1.0 / 3;
+	return exponent * 0.69314718055994530942 + (2 * s + 2 * s * t * series);
+}
+
+/* |x| < 80. Relative error below 2e-7. */
+static inline float esk_elementary_exp(float x)
+{
+	/* exp x = 2^n exp r, |r| <= ln 2 / 2. Adding and subtracting 1.5 * 2^23 rounds to the nearest integer; ln 2 is
+	 * taken off in two parts, the first short enough for n times it to be exact. */
+	const float round = 12582912.0f;
+	float n = (x * 1.44269504f + round) - round;
+	float r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
+	/* Taylor; the first term left out is r^8 / 8! < 6e-9. */
+	float p = 1.0f / 5040;
+	p = p * r + 1.0f / 720;
+	p = p * r + 1.0f / 120;
+	p = p * r + 1.0f / 24;
+	p = p * r + 1.0f / 6;
+	p = p * r + 0.5f;
+	p = p * r + 1.0f;
+	p = p * r + 1.0f;
+	int32_t bits = ((int32_t)n + 127) * (1 << 23);
+	float power;
+	memcpy(&power, &bits, sizeof power);
+	return p * power;
+}
+
+/* x positive and normal, |ln x| < 240. Two Newton steps take the relative error from 1e-6 to rounding. */
+static inline double esk_elementary_cbrt(double x)
+{
+	double root = (double)esk_elementary_exp((float)(esk_elementary_log(x) / 3));
+	root -= (root - x / (root * root)) / 3;
+	root -= (root - x / (root * root)) / 3;
+	return root;
+}
+
+#endif
