@@ -1,0 +1,113 @@
+#include "split.h"
+
+#include "affine.h"
+#include "eigen.h"
+#include "partition.h"
+
+#include <math.h>
+
+/* The plane a . map (u - g) = 0 has the normal map^T a in u. Scaled so that the greatest component is 2^20 and
+ * rounded: the last bits of an eigenvector must not decide where a voxel goes. */
+static void plane_normal(const eskel_affine *map, const double axis[3], int64_t normal[3])
+{
+	double n[3], greatest = 0;
+	for (int i = 0; i < 3; i++) {
+		n[i] = map->m[0][i] * axis[0] + map->m[1][i] * axis[1] + map->m[2][i] * axis[2];
+		greatest = fmax(greatest, fabs(n[i]));
+	}
+	for (int i = 0; i < 3; i++)
+		normal[i] = greatest > 0 ? llround(n[i] / greatest * 0x1p20) : 0;
+}
+
+/* Class 1 where normal . u > threshold, class 0 elsewhere. */
+static eskel_status cut(esk_partition *partition, const int64_t normal[3], int64_t threshold)
+{
+	esk_scores scores = {.count = 2};
+	scores.constant[1] = (double)threshold;
+	for (int r = 0; r < 3; r++)
+		scores.slope[r][1] = -(double)normal[r];
+	return esk_partition_assign(partition, &scores);
+}
+
+/* Cuts by the plane through the centre. Voxels exactly on it join the lighter side, and the heavier part becomes class
+ * 0: neither depends on the sign of the normal, so a mirrored class is cut the same way. (With equal sides on-plane
+ * voxels join class 0.) */
+static eskel_status cut_at_centre(
+	esk_partition *partition, const esk_sums *sums, const int64_t normal[3], esk_sums parts[2])
+{
+	esk_int128 moment = 0;
+	for (int r = 0; r < 3; r++)
+		moment += (esk_int128)normal[r] * sums->first[r];
+	esk_int128 weight = sums->weight;
+	int64_t threshold = (int64_t)(moment >= 0 ? moment / weight : -((-moment + weight - 1) / weight)); /* floor */
+	eskel_status status = cut(partition, normal, threshold);
+	uint64_t above = partition->sums[1].weight;
+	if (!status && moment % weight == 0) {
+		status = cut(partition, normal, threshold - 1);
+		uint64_t below = partition->sums[0].weight;
+		if (!status && below <= above)
+			status = cut(partition, normal, threshold);
+	}
+	if (status)
+		return status;
+	int heavier = partition->sums[1].weight > partition->sums[0].weight;
+	parts[0] = partition->sums[heavier];
+	parts[1] = partition->sums[!heavier];
+	return ESKEL_OK;
+}
+
+static eskel_status major_axis_plane(
+	const esk_moments *moments, const eskel_affine *map, int64_t normal[3], bool *degenerate)
+{
+	double scatter[3][3];
+	esk_eigen eigen;
+	esk_moments_scatter(moments, scatter);
+	esk_affine_congruence(map, (const double(*)[3])scatter, scatter);
+	eskel_status status = esk_eigen_symmetric((const double(*)[3])scatter, &eigen);
+	if (status)
+		return status;
+	plane_normal(map, eigen.axes[0], normal);
+	*degenerate = esk_eigen_is_degenerate(&eigen);
+	return ESKEL_OK;
+}
+
+static void measure(const esk_partition *partition, double inertia, esk_split *split)
+{
+	esk_moments parts[2];
+	esk_partition_moments(partition, parts);
+	double inertias[2] = {esk_moments_inertia(&parts[0], partition->metric->form),
+		esk_moments_inertia(&parts[1], partition->metric->form)};
+	uint64_t weights[2] = {parts[0].sums.weight, parts[1].sums.weight};
+	int heavier = weights[1] > weights[0] || (weights[1] == weights[0] && inertias[1] > inertias[0]);
+	split->parts[0] = parts[heavier].sums;
+	split->parts[1] = parts[!heavier].sums;
+	split->ratio = nearbyint((inertias[0] + inertias[1]) / inertia * 0x1p40) * 0x1p-40;
+}
+
+eskel_status esk_split_class(const esk_segment *segments, size_t segment_count, const esk_moments *moments,
+	const esk_metric *metric, const eskel_affine *axes_map, esk_split *split)
+{
+	esk_split result = {0};
+	const double inertia = esk_moments_inertia(moments, metric->form);
+	if (!(inertia > 0)) {
+		*split = result;
+		return ESKEL_OK;
+	}
+	esk_partition partition = {0};
+	int64_t normal[3];
+	esk_sums starts[2];
+	eskel_status status = major_axis_plane(moments, axes_map, normal, &result.degenerate);
+	if (!status)
+		status = esk_partition_init(&partition, segments, segment_count, metric);
+	if (!status)
+		status = cut_at_centre(&partition, &moments->sums, normal, starts);
+	if (!status && starts[1].weight) {
+		status = esk_partition_converge(&partition, starts, 2);
+		result.possible = true;
+		measure(&partition, inertia, &result);
+	}
+	esk_partition_clear(&partition);
+	if (!status)
+		*split = result;
+	return status;
+}
