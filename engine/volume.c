@@ -1,1 +1,322 @@
-#include "eskel.h"
+/* The push decoder: bytes in pieces of any size -> inflated -> header -> voxels -> runs per label.
+ *
+ * Each stage keeps only what it cannot yet pass on: the inflater a fixed window, the header stage the header's bytes,
+ * the voxel stage the broken-off voxel at the end of a piece. So memory is bounded by the runs, and the result,
+ * including which error a bad file gives, does not depend on how the file was cut: each stage sees every byte before
+ * the fault and none after it.
+ *
+ * A further format is one more esk_header_reader (volume_format.h) in the list below.
+ */
+#include "error.h"
+#include "gzip.h"
+#include "memory.h"
+#include "run_builder.h"
+#include "volume_format.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint64_t default_most_voxels = (uint64_t)1 << 33;
+static const size_t default_most_runs = (size_t)1 << 27;
+static const uint32_t default_most_labels = 4096;
+
+/* Inflated bytes are scanned while they are still in the second-level cache. */
+enum { window_size = 1 << 16, shortest_header = 4, largest_voxel = 8 };
+
+static esk_header_reader *const header_readers[] = {esk_nifti_read_header};
+
+typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, FINISHED } phase;
+
+struct eskel_volume {
+	phase phase;
+	eskel_error error; /* status other than ESKEL_OK: every further call returns it */
+	uint64_t most_voxels;
+
+	bool begun;     /* the first byte has come */
+	esk_gzip *gzip; /* NULL: not gzipped */
+	uint8_t *window;
+
+	uint8_t *header_bytes;
+	size_t header_size, header_capacity, header_needed;
+	esk_volume_header header;
+
+	uint64_t bytes_left;           /* of the present phase: before the voxels, of the voxels */
+	uint8_t broken[largest_voxel]; /* the first bytes of a voxel that the last piece broke off */
+	size_t broken_size;
+	esk_run_builder *builder;
+	const esk_label_table *labels;
+};
+
+void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
+{
+	eskel_warning *warning = &info->warnings[info->warning_count++];
+	va_list arguments;
+	va_start(arguments, format);
+	warning->code = code;
+	vsnprintf(warning->text, sizeof warning->text, format, arguments);
+	va_end(arguments);
+}
+
+eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume **volume)
+{
+	const eskel_volume_options none = {0}, *o = options ? options : &none;
+	for (size_t i = 0; i < o->label_count; i++)
+		if (o->labels[i] == 0)
+			return ESKEL_INVALID;
+	eskel_volume *v = esk_memory_zeroed_array(1, sizeof *v);
+	if (!v)
+		return ESKEL_NO_MEMORY;
+	v->most_voxels = o->most_voxels ? o->most_voxels : default_most_voxels;
+	v->header_needed = shortest_header;
+	const esk_run_limits limits = {
+		.most_runs = o->most_runs ? o->most_runs : default_most_runs,
+		.most_labels = o->most_labels ? o->most_labels : default_most_labels,
+	};
+	eskel_status status = esk_run_builder_new(&limits, o->labels, o->label_count, &v->builder);
+	if (status != ESKEL_OK) {
+		eskel_volume_free(v);
+		return status;
+	}
+	*volume = v;
+	return ESKEL_OK;
+}
+
+void eskel_volume_free(eskel_volume *volume)
+{
+	if (!volume)
+		return;
+	esk_gzip_free(volume->gzip);
+	free(volume->window);
+	free(volume->header_bytes);
+	esk_run_builder_free(volume->builder);
+	free(volume);
+}
+
+static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	const size_t voxel_size = v->header.voxels.size;
+	if (v->broken_size > 0) {
+		size_t missing = voxel_size - v->broken_size, taken = size < missing ? size : missing;
+		memcpy(v->broken + v->broken_size, bytes, taken);
+		v->broken_size += taken;
+		bytes += taken;
+		size -= taken;
+		if (v->broken_size < voxel_size)
+			return ESKEL_OK;
+		v->broken_size = 0;
+		eskel_status status = esk_run_builder_add(v->builder, v->broken, 1, error);
+		if (status != ESKEL_OK)
+			return status;
+	}
+	size_t whole = size / voxel_size;
+	v->broken_size = size % voxel_size;
+	memcpy(v->broken, bytes + whole * voxel_size, v->broken_size);
+	return esk_run_builder_add(v->builder, bytes, whole, error);
+}
+
+static void begin_voxels(eskel_volume *v)
+{
+	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
+	v->phase = IN_VOXELS;
+	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * v->header.voxels.size;
+}
+
+/* From the first byte of the file on: what lies before the voxels, the voxels, nothing. */
+static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	if (v->phase == BEFORE_VOXELS) {
+		size_t skipped = v->bytes_left < size ? (size_t)v->bytes_left : size;
+		v->bytes_left -= skipped;
+		bytes += skipped;
+		size -= skipped;
+		if (v->bytes_left == 0)
+			begin_voxels(v);
+	}
+	if (size == 0)
+		return ESKEL_OK;
+	size_t taken = v->bytes_left < size ? (size_t)v->bytes_left : size;
+	v->bytes_left -= taken;
+	eskel_status status = add_voxels(v, bytes, taken, error);
+	if (status == ESKEL_OK && taken < size)
+		status = esk_error_set(error, ESKEL_MALFORMED, "the file goes on after its last voxel");
+	return status;
+}
+
+static eskel_status read_header(eskel_volume *v, eskel_error *error)
+{
+	const uint8_t *bytes = v->header_bytes;
+	eskel_status status = ESKEL_NOT_VOLUME;
+	for (size_t i = 0; i < sizeof header_readers / sizeof header_readers[0] && status == ESKEL_NOT_VOLUME; i++)
+		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
+	if (status == ESKEL_NOT_VOLUME)
+		return esk_error_set(error, status,
+			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1 or NIfTI-2 file",
+			bytes[0], bytes[1], bytes[2], bytes[3]);
+	return status;
+}
+
+static eskel_status begin_body(eskel_volume *v, eskel_error *error)
+{
+	const uint32_t *extent = v->header.info.extent;
+	uint64_t voxels = (uint64_t)extent[0] * extent[1] * extent[2];
+	if (voxels > v->most_voxels)
+		return esk_error_set(error, ESKEL_TOO_LARGE,
+			"the grid has %u x %u x %u = %llu voxels, expected at most %llu", extent[0], extent[1],
+			extent[2], (unsigned long long)voxels, (unsigned long long)v->most_voxels);
+	esk_run_builder_set_grid(v->builder, &v->header.voxels, extent);
+	v->header.info.gzipped = v->gzip != NULL;
+	v->phase = BEFORE_VOXELS;
+	v->bytes_left = v->header.data_offset;
+	return take_body(v, v->header_bytes, v->header_size, error);
+}
+
+static eskel_status take_inflated(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	while (v->phase == IN_HEADER && size > 0) {
+		size_t missing = v->header_needed - v->header_size, taken = size < missing ? size : missing;
+		void *header_bytes = v->header_bytes;
+		if (!esk_memory_reserve(&header_bytes, &v->header_capacity, v->header_needed, 1))
+			return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out in the header");
+		v->header_bytes = header_bytes;
+		memcpy(v->header_bytes + v->header_size, bytes, taken);
+		v->header_size += taken;
+		bytes += taken;
+		size -= taken;
+		if (v->header_size < v->header_needed)
+			return ESKEL_OK;
+		eskel_status status = read_header(v, error);
+		if (status == ESKEL_OK && v->header_size >= v->header_needed)
+			status = begin_body(v, error);
+		if (status != ESKEL_OK)
+			return status;
+	}
+	return take_body(v, bytes, size, error);
+}
+
+static eskel_status take_gzipped(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	eskel_status inflated;
+	size_t used;
+	do {
+		inflated = esk_gzip_inflate(v->gzip, &bytes, &size, v->window, window_size, &used, error);
+		/* What came out before a fault is looked at first, as it would be had it come alone. */
+		eskel_status status = take_inflated(v, v->window, used, error);
+		if (status != ESKEL_OK)
+			return status;
+	} while (inflated == ESKEL_OK && used == window_size);
+	return inflated;
+}
+
+/* The first byte tells gzip from everything else. */
+static eskel_status begin(eskel_volume *v, uint8_t first_byte, eskel_error *error)
+{
+	v->begun = true;
+	if (first_byte != ESK_GZIP_FIRST_BYTE)
+		return ESKEL_OK;
+	v->window = esk_memory_array(window_size, 1);
+	if (!v->window || esk_gzip_new(&v->gzip) != ESKEL_OK)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for inflating");
+	return ESKEL_OK;
+}
+
+/* The error of every failed call is kept in the volume first. */
+static eskel_status report(const eskel_volume *v, eskel_error *error)
+{
+	if (v->error.status != ESKEL_OK && error)
+		*error = v->error;
+	return v->error.status;
+}
+
+eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t size, eskel_error *error)
+{
+	eskel_error *kept = &volume->error;
+	if (kept->status == ESKEL_OK && volume->phase == FINISHED)
+		return esk_error_set(error, ESKEL_INVALID, "the volume is finished, no more bytes were expected");
+	if (kept->status != ESKEL_OK || size == 0)
+		return report(volume, error);
+	if (!volume->begun)
+		begin(volume, *(const uint8_t *)bytes, kept);
+	if (kept->status == ESKEL_OK && volume->gzip)
+		take_gzipped(volume, bytes, size, kept);
+	else if (kept->status == ESKEL_OK)
+		take_inflated(volume, bytes, size, kept);
+	return report(volume, error);
+}
+
+static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
+{
+	if (!v->begun)
+		return esk_error_set(error, ESKEL_TRUNCATED, "the file is empty");
+	if (v->gzip && !esk_gzip_is_complete(v->gzip))
+		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data breaks off");
+	if (v->phase == IN_HEADER)
+		return esk_error_set(
+			error, ESKEL_TRUNCATED, "the file ends after %zu bytes, within its header", v->header_size);
+	if (v->phase == BEFORE_VOXELS)
+		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends before byte %llu, its first voxel",
+			(unsigned long long)v->header.data_offset);
+	if (v->bytes_left > 0)
+		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu bytes before the end of its voxels",
+			(unsigned long long)v->bytes_left);
+	return ESKEL_OK;
+}
+
+eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
+{
+	if (volume->phase == FINISHED || volume->error.status != ESKEL_OK)
+		return report(volume, error);
+	if (check_complete(volume, &volume->error) == ESKEL_OK) {
+		volume->labels = esk_run_builder_finish(volume->builder);
+		volume->phase = FINISHED;
+		if (volume->labels->count == 0)
+			esk_error_set(&volume->error, ESKEL_EMPTY, "no voxel has a wanted label");
+	}
+	return report(volume, error);
+}
+
+const eskel_volume_info *eskel_volume_get_info(const eskel_volume *volume)
+{
+	return &volume->header.info;
+}
+
+size_t eskel_volume_label_count(const eskel_volume *volume)
+{
+	return volume->labels ? volume->labels->count : 0;
+}
+
+int32_t eskel_volume_label(const eskel_volume *volume, size_t index)
+{
+	return volume->labels->items[index].label;
+}
+
+static const esk_label_runs *runs_of(const eskel_volume *v, int32_t label)
+{
+	return v->labels ? esk_label_table_find(v->labels, label) : NULL;
+}
+
+eskel_status eskel_volume_border(const eskel_volume *volume, int32_t label, unsigned *sides)
+{
+	const esk_label_runs *found = runs_of(volume, label);
+	if (!found)
+		return ESKEL_NOT_FOUND;
+	const uint32_t *extent = volume->header.info.extent;
+	unsigned touched = 0;
+	for (size_t i = 0; i < found->count; i++) {
+		const eskel_run *r = &found->runs[i];
+		touched |= (unsigned)(r->x_first == 0) | (unsigned)(r->x_last == extent[0] - 1) << 1;
+		touched |= (unsigned)(r->y == 0) << 2 | (unsigned)(r->y == extent[1] - 1) << 3;
+		touched |= (unsigned)(r->z == 0) << 4 | (unsigned)(r->z == extent[2] - 1) << 5;
+	}
+	*sides = touched;
+	return ESKEL_OK;
+}
+
+eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel_cloud **cloud, eskel_error *error)
+{
+	const esk_label_runs *found = runs_of(volume, label);
+	if (!found)
+		return esk_error_set(error, ESKEL_NOT_FOUND, "no voxel has label %d", label);
+	return eskel_cloud_new(found->runs, NULL, found->count, &volume->header.info.affine, cloud, error);
+}
