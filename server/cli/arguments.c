@@ -1,0 +1,257 @@
+#include "arguments.h"
+
+#include "command.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ENROLL = 1, RECOGNIZE = 2, DISTANCES = 4, SHOW = 8, SKELETON = 16 };
+enum {
+	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON,
+	SERVED = ALL & ~SKELETON,
+	FILTERED = SERVED & ~ENROLL,
+	COMPARED = RECOGNIZE | DISTANCES
+};
+
+static const esk_command commands[] = {
+	{"enroll", "FILE...", "store the labelled objects of volumes", 1, SIZE_MAX, ENROLL, esk_command_enroll},
+	{"recognize", "FILE|ID...", "say what objects are, and on which side", 1, SIZE_MAX, RECOGNIZE,
+		esk_command_recognize},
+	{"distances", "[ID...]", "the distance of every pair of shapes", 0, SIZE_MAX, DISTANCES, esk_command_distances},
+	{"show", "[ID]", "list shapes, or show one", 0, 1, SHOW, esk_command_show},
+	{"skeleton", "FILE", "the skeletons of a volume's objects, without a server", 1, 1, SKELETON,
+		esk_command_skeleton},
+};
+
+struct esk_option {
+	const char *name;
+	const char *value; /* what it takes, for the help; NULL for a flag */
+	int commands;      /* that take it */
+	const char *query; /* the parameter that its value becomes; of a flag, name and value; one that ends in
+	                               '.' takes KEY=VALUE and becomes .KEY; NULL: not for the server */
+	const char *help;
+};
+
+static const esk_option options[] = {
+	{"labels", "TABLE", ENROLL, NULL, "names for the labels: CSV with the columns label, name, class, side"},
+	{"label", "N", ENROLL | RECOGNIZE | SKELETON, "label", "this label of the volume only; may be repeated"},
+	{"name", "NAME", ENROLL, "name", "what it is called"},
+	{"class", "CLASS", ENROLL, "class", "what kind of thing it is, such as femur"},
+	{"side", "SIDE", ENROLL, "side", "left, right or none"},
+	{"subject", "SUBJECT", ENROLL, "subject", "whose it is"},
+	{"age", "YEARS", ENROLL, "age", "the subject's age"},
+	{"sex", "SEX", ENROLL, "sex", "the subject's sex: female or male"},
+	{"attr", "KEY=VALUE", ENROLL, "attr.", "anything else; may be repeated"},
+	{"levels", "K", ENROLL | SKELETON, "levels", "depth of the skeleton, 1 to 64 (16)"},
+
+	{"limit", "N", RECOGNIZE, "limit", "neighbours (5)"},
+	{"mode", "MODE", RECOGNIZE, "mode", "exact or pruned"},
+	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
+	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
+	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},
+	{"level", "K", COMPARED, "level", "the level of --distance level (10)"},
+	{"metric", "KIND", COMPARED, "metric", "manhattan (default) or euclidean"},
+	{"size", "KIND", COMPARED, "size", "fixed (default), or free: size does not count"},
+	{"csv", NULL, DISTANCES, "format=csv", "the matrix as CSV"},
+
+	{"class", "CLASS", FILTERED, "class", "only shapes of this class"},
+	{"side", "SIDE", FILTERED, "side", "only of this side: left, right or none"},
+	{"subject", "SUBJECT", FILTERED, "subject", "only of this subject"},
+	{"not-subject", "SUBJECT", FILTERED, "not.subject", "only of other subjects"},
+	{"sex", "SEX", FILTERED, "sex", "only of this sex: female or male"},
+	{"age-min", "YEARS", FILTERED, "age_min", "only from this age"},
+	{"age-max", "YEARS", FILTERED, "age_max", "only to this age"},
+	{"attr", "KEY=VALUE", FILTERED, "attr.", "only with this attribute; may be repeated"},
+	{"text", "TEXT", FILTERED, "q", "only with this text in name, class or subject"},
+	{"limit", "N", SHOW, "limit", "shapes in one list"},
+	{"cursor", "CURSOR", SHOW, "cursor", "go on where an earlier list ended"},
+
+	{"server", "URL", SERVED, NULL, "default: $ESKEL_SERVER, or else " ESK_DEFAULT_SERVER},
+	{"token-file", "FILE", SERVED, NULL, "holds the bearer token; default: $ESKEL_TOKEN_FILE, or else none"},
+	{"json", NULL, ALL, NULL, "the answers as they came"},
+	{"quiet", NULL, ALL, NULL, "no progress"},
+	{"help", NULL, ALL, NULL, "this help"},
+};
+
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands, OPTION_COUNT = sizeof options / sizeof *options };
+
+/* ---- help */
+
+static void write_command_help(const esk_command *command, FILE *out)
+{
+	fprintf(out, "usage: eskel %s %s [options]\n\n%s\n\n", command->name, command->operands, command->summary);
+	for (size_t i = 0; i < OPTION_COUNT; i++) {
+		if (!(options[i].commands & command->bit))
+			continue;
+		int width = fprintf(out, "  --%s %s", options[i].name, options[i].value ? options[i].value : "");
+		fprintf(out, "%*s%s\n", width < 26 ? 26 - width : 1, "", options[i].help);
+	}
+}
+
+void esk_arguments_write_help(const esk_command *command, FILE *out)
+{
+	if (command) {
+		write_command_help(command, out);
+		return;
+	}
+	fputs("usage: eskel COMMAND ... [options]\n\nA client of eskeld, the shape recognition database server.\n\n",
+		out);
+	for (size_t i = 0; i < COMMAND_COUNT; i++)
+		fprintf(out, "  %-10s %-12s%s\n", commands[i].name, commands[i].operands, commands[i].summary);
+	fputs("\n  eskel COMMAND --help lists its options; eskel --version\n\n"
+	      "Exit code: 0 done, 1 refused or not recognised, 2 wrong usage, 3 the server cannot be reached.\n",
+		out);
+}
+
+/* ---- parsing */
+
+static const esk_command *find_command(const char *name)
+{
+	for (size_t i = 0; i < COMMAND_COUNT; i++) {
+		if (!strcmp(commands[i].name, name))
+			return &commands[i];
+	}
+	return NULL;
+}
+
+static const esk_option *find_option(const esk_command *command, const char *name, size_t length)
+{
+	for (size_t i = 0; i < OPTION_COUNT; i++) {
+		if (options[i].commands & command->bit && strlen(options[i].name) == length &&
+			!strncmp(options[i].name, name, length))
+			return &options[i];
+	}
+	return NULL;
+}
+
+static bool takes_key(const esk_option *option)
+{
+	return option->query && option->query[strlen(option->query) - 1] == '.';
+}
+
+/* --name VALUE, --name=VALUE or a flag; *next is the argument after it. */
+static esk_outcome parse_option(esk_arguments *arguments, const char *argument, char ***next)
+{
+	const char *name = argument + 2, *equals = strchr(name, '=');
+	const esk_command *command = arguments->command;
+	const esk_option *option = find_option(command, name, equals ? (size_t)(equals - name) : strlen(name));
+	const char *value = equals ? equals + 1 : "";
+	if (!option)
+		return esk_complain(ESK_MISUSED, "%s is not an option of %s: see eskel %s --help", argument,
+			command->name, command->name);
+	if (!option->value && equals)
+		return esk_complain(ESK_MISUSED, "--%s takes no value", option->name);
+	if (option->value && !equals) {
+		if (!**next)
+			return esk_complain(ESK_MISUSED, "--%s needs a value: %s", option->name, option->value);
+		value = *(*next)++;
+	}
+	if (takes_key(option) && !strchr(value, '='))
+		return esk_complain(ESK_MISUSED, "--%s needs %s, not %s", option->name, option->value, value);
+	arguments->given[arguments->given_count++] = (esk_given_option){option, value};
+	return ESK_DONE;
+}
+
+static esk_outcome parse_all(esk_arguments *arguments, char **next)
+{
+	bool options_ended = false;
+	while (*next) {
+		const char *argument = *next++;
+		if (options_ended || strncmp(argument, "--", 2)) {
+			arguments->operands[arguments->operand_count++] = argument;
+		} else if (!argument[2]) {
+			options_ended = true;
+		} else {
+			esk_outcome outcome = parse_option(arguments, argument, &next);
+			if (outcome)
+				return outcome;
+		}
+	}
+	return ESK_DONE;
+}
+
+static esk_outcome check_operands(const esk_arguments *arguments)
+{
+	const esk_command *command = arguments->command;
+	size_t count = arguments->operand_count;
+	if (esk_arguments_value(arguments, "help") ||
+		(count >= command->fewest_operands && count <= command->most_operands))
+		return ESK_DONE;
+	return esk_complain(ESK_MISUSED, "eskel %s takes %s, %zu given", command->name, command->operands, count);
+}
+
+esk_outcome esk_arguments_parse(int argc, char **argv, esk_arguments *arguments)
+{
+	*arguments = (esk_arguments){.command = find_command(argv[1])};
+	if (!arguments->command)
+		return esk_complain(ESK_MISUSED, "%s is not a command: see eskel --help", argv[1]);
+	arguments->given = calloc((size_t)argc, sizeof *arguments->given);
+	arguments->operands = calloc((size_t)argc, sizeof *arguments->operands);
+	if (!arguments->given || !arguments->operands)
+		return esk_complain(ESK_REFUSED, "memory ran out");
+	esk_outcome outcome = parse_all(arguments, argv + 2);
+	return outcome ? outcome : check_operands(arguments);
+}
+
+void esk_arguments_clear(esk_arguments *arguments)
+{
+	free(arguments->given);
+	free(arguments->operands);
+	*arguments = (esk_arguments){0};
+}
+
+/* ---- values */
+
+const char *esk_arguments_value(const esk_arguments *arguments, const char *option)
+{
+	const char *last = NULL, *value;
+	size_t position = 0;
+	while ((value = esk_arguments_next(arguments, option, &position)))
+		last = value;
+	return last;
+}
+
+const char *esk_arguments_next(const esk_arguments *arguments, const char *option, size_t *position)
+{
+	while (*position < arguments->given_count) {
+		const esk_given_option *given = &arguments->given[(*position)++];
+		if (!strcmp(given->option->name, option))
+			return given->value;
+	}
+	return NULL;
+}
+
+static void write_escaped(const char *value, size_t length, FILE *out)
+{
+	for (size_t i = 0; i < length; i++) {
+		unsigned char c = (unsigned char)value[i];
+		bool unreserved = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+				  (c && strchr("-._~", c));
+		fprintf(out, unreserved ? "%c" : "%%%02X", c);
+	}
+}
+
+void esk_arguments_write_escaped(const char *value, FILE *out)
+{
+	write_escaped(value, strlen(value), out);
+}
+
+void esk_arguments_write_query(const esk_arguments *arguments, const char *except, FILE *out)
+{
+	for (size_t i = 0; i < arguments->given_count; i++) {
+		const esk_option *option = arguments->given[i].option;
+		const char *value = arguments->given[i].value;
+		if (!option->query || (except && !strcmp(option->name, except)))
+			continue;
+		fprintf(out, "&%s", option->query);
+		if (takes_key(option)) {
+			size_t key = strcspn(value, "=");
+			write_escaped(value, key, out);
+			value += key + 1;
+		}
+		if (option->value) {
+			fputc('=', out);
+			esk_arguments_write_escaped(value, out);
+		}
+	}
+}

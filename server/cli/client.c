@@ -1,0 +1,191 @@
+#include "client.h"
+
+#include <curl/curl.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct esk_client {
+	CURL *curl;
+	struct curl_slist *headers;
+	char *server;
+	esk_progress *progress;
+};
+
+static const long connect_seconds = 10;
+enum { longest_token = 512 };
+
+/* The first line of the file, of printable ASCII. */
+static esk_outcome read_token(const char *path, char token[longest_token])
+{
+	FILE *file = fopen(path, "re");
+	if (!file)
+		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+	bool read = fgets(token, longest_token, file);
+	fclose(file);
+	size_t length = read ? strcspn(token, "\r\n") : 0;
+	token[length] = '\0';
+	for (size_t i = 0; i < length; i++) {
+		if (token[i] <= ' ' || token[i] > '~')
+			length = 0;
+	}
+	return length > 0 ? ESK_DONE : esk_complain(ESK_MISUSED, "%s: its first line is not a token", path);
+}
+
+/* A proxy meant for other hosts cannot reach a server on this one. */
+static bool is_loopback(const char *server)
+{
+	CURLU *url = curl_url();
+	char *host = NULL;
+	bool loopback = url && !curl_url_set(url, CURLUPART_URL, server, CURLU_GUESS_SCHEME) &&
+			!curl_url_get(url, CURLUPART_HOST, &host, 0) &&
+			(!strcmp(host, "localhost") || !strncmp(host, "127.", 4) || !strcmp(host, "[::1]"));
+	curl_free(host);
+	curl_url_cleanup(url);
+	return loopback;
+}
+
+static esk_outcome authorize(CURL *curl, const char *token_file)
+{
+	char token[longest_token];
+	esk_outcome outcome = read_token(token_file, token);
+	if (outcome)
+		return outcome;
+	curl_easy_setopt(curl, CURLOPT_HTTPAUTH, (long)CURLAUTH_BEARER);
+	curl_easy_setopt(curl, CURLOPT_XOAUTH2_BEARER, token);
+	explicit_bzero(token, sizeof token);
+	return ESK_DONE;
+}
+
+static int report_progress(void *context, curl_off_t down_total, curl_off_t down, curl_off_t up_total, curl_off_t up)
+{
+	(void)down_total;
+	(void)down;
+	esk_progress_sent(context, (uint64_t)up, (uint64_t)up_total);
+	return 0;
+}
+
+esk_outcome esk_client_new(const char *server, const char *token_file, esk_progress *progress, esk_client **client)
+{
+	esk_client *made = calloc(1, sizeof *made);
+	esk_outcome outcome = ESK_DONE;
+	if (made)
+		*made = (esk_client){curl_easy_init(),
+			curl_slist_append(NULL, "Content-Type: application/octet-stream"), strdup(server), progress};
+	/* "http://host/" and "http://host" are the same server. */
+	for (size_t n = made && made->server ? strlen(made->server) : 0; n > 0 && made->server[n - 1] == '/'; n--)
+		made->server[n - 1] = '\0';
+	if (!made || !made->curl || !made->headers || !made->server) {
+		outcome = esk_complain(ESK_REFUSED, "memory ran out");
+		goto cleanup;
+	}
+	curl_easy_setopt(made->curl, CURLOPT_PROTOCOLS_STR, "http,https");
+	curl_easy_setopt(made->curl, CURLOPT_CONNECTTIMEOUT, connect_seconds);
+	curl_easy_setopt(made->curl, CURLOPT_USERAGENT, "eskel");
+	curl_easy_setopt(made->curl, CURLOPT_NOSIGNAL, 1L);
+	curl_easy_setopt(made->curl, CURLOPT_NOPROGRESS, 0L);
+	curl_easy_setopt(made->curl, CURLOPT_XFERINFOFUNCTION, report_progress);
+	curl_easy_setopt(made->curl, CURLOPT_XFERINFODATA, progress);
+	if (is_loopback(server))
+		curl_easy_setopt(made->curl, CURLOPT_PROXY, "");
+	if (token_file)
+		outcome = authorize(made->curl, token_file);
+cleanup:
+	if (outcome)
+		esk_client_free(made);
+	else
+		*client = made;
+	return outcome;
+}
+
+void esk_client_free(esk_client *client)
+{
+	if (!client)
+		return;
+	curl_easy_cleanup(client->curl);
+	curl_slist_free_all(client->headers);
+	free(client->server);
+	free(client);
+}
+
+static int seek_file(void *file, curl_off_t offset, int origin)
+{
+	return fseeko(file, offset, origin) ? CURL_SEEKFUNC_CANTSEEK : CURL_SEEKFUNC_OK;
+}
+
+/* A file's size is announced; what is no file (a pipe) is sent in chunks. */
+static esk_outcome prepare_upload(CURL *curl, const char *path, FILE **file)
+{
+	struct stat status;
+	FILE *opened = fopen(path, "re");
+	if (!opened)
+		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+	if (fstat(fileno(opened), &status) || S_ISDIR(status.st_mode)) {
+		fclose(opened);
+		return esk_complain(ESK_MISUSED, "%s: it is not a file", path);
+	}
+	curl_easy_setopt(curl, CURLOPT_UPLOAD, 1L);
+	curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, "POST");
+	curl_easy_setopt(curl, CURLOPT_READDATA, opened);
+	curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, seek_file);
+	curl_easy_setopt(curl, CURLOPT_SEEKDATA, opened);
+	curl_easy_setopt(curl, CURLOPT_INFILESIZE_LARGE, (curl_off_t)(S_ISREG(status.st_mode) ? status.st_size : -1));
+	*file = opened;
+	return ESK_DONE;
+}
+
+static void prepare_download(CURL *curl)
+{
+	curl_easy_setopt(curl, CURLOPT_UPLOAD, 0L);
+	curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, NULL);
+	curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
+}
+
+static esk_outcome perform(esk_client *client, const esk_request *request, FILE *body)
+{
+	char *url = NULL, reason[CURL_ERROR_SIZE] = "";
+	const char *query = request->query[0] ? request->query + 1 : "";
+	if (asprintf(&url, "%s%s%s%s", client->server, request->path, *query ? "?" : "", query) < 0)
+		return esk_complain(ESK_REFUSED, "memory ran out");
+	curl_easy_setopt(client->curl, CURLOPT_URL, url);
+	curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, request->file ? client->headers : NULL);
+	curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, body);
+	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, reason);
+	CURLcode code = curl_easy_perform(client->curl);
+	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, NULL);
+	esk_progress_done(client->progress);
+	free(url);
+	if (code)
+		return esk_complain(ESK_UNREACHABLE, "%s does not answer: %s", client->server,
+			*reason ? reason : curl_easy_strerror(code));
+	return ESK_DONE;
+}
+
+esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer)
+{
+	FILE *file = NULL;
+	esk_answer got = {0};
+	FILE *body = open_memstream(&got.body, &got.size);
+	if (!body)
+		return esk_complain(ESK_REFUSED, "memory ran out");
+	esk_outcome outcome = ESK_DONE;
+	if (request->file)
+		outcome = prepare_upload(client->curl, request->file, &file);
+	else
+		prepare_download(client->curl);
+	if (!outcome)
+		outcome = perform(client, request, body);
+	if (file)
+		fclose(file);
+	if (fclose(body) && !outcome)
+		outcome = esk_complain(ESK_REFUSED, "memory ran out");
+	if (outcome) {
+		free(got.body);
+		return outcome;
+	}
+	curl_easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &got.status);
+	*answer = got;
+	return ESK_DONE;
+}

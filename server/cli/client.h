@@ -1,0 +1,33 @@
+/* HTTP requests to one eskeld. */
+#ifndef ESK_CLIENT_H
+#define ESK_CLIENT_H
+
+#include "complain.h"
+#include "progress.h"
+
+#define ESK_DEFAULT_SERVER "http://127.0.0.1:8467" /* where eskeld listens when nothing else is said */
+
+typedef struct esk_client esk_client;
+
+/* server: a URL with or without a path; token_file: its first line is the bearer token, NULL for none. The strings are
+ * copied, the progress is borrowed. */
+esk_outcome esk_client_new(const char *server, const char *token_file, esk_progress *progress, esk_client **client);
+void esk_client_free(esk_client *client);
+
+typedef struct {
+	const char *path;  /* "/shapes" */
+	const char *query; /* "&a=b&c=d", "" for none */
+	const char *file;  /* POST this file's bytes; NULL: GET */
+} esk_request;
+
+typedef struct {
+	long status;
+	char *body; /* NUL-terminated; free() it */
+	size_t size;
+} esk_answer;
+
+/* Any HTTP answer is ESK_DONE; ESK_MISUSED for a file that cannot be read, ESK_UNREACHABLE without an answer, both with
+ * a complaint. */
+esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer);
+
+#endif

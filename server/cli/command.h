@@ -1,0 +1,13 @@
+/* The commands of eskel, one a file. */
+#ifndef ESK_COMMAND_H
+#define ESK_COMMAND_H
+
+#include "session.h"
+
+esk_outcome esk_command_enroll(esk_session *session);
+esk_outcome esk_command_recognize(esk_session *session);
+esk_outcome esk_command_distances(esk_session *session);
+esk_outcome esk_command_show(esk_session *session);
+esk_outcome esk_command_skeleton(esk_session *session);
+
+#endif

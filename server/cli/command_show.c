@@ -1,0 +1,46 @@
+/* eskel show: one shape by its id, or a list of those that the filters let through. */
+#include "command.h"
+
+#include <stdlib.h>
+
+static esk_outcome show_one(esk_session *session, const char *id)
+{
+	char *path = NULL;
+	size_t size;
+	FILE *out = open_memstream(&path, &size);
+	if (out) {
+		fputs("/shapes/", out);
+		esk_arguments_write_escaped(id, out);
+	}
+	if (!out || fclose(out)) {
+		free(path);
+		return esk_complain(ESK_REFUSED, "memory ran out");
+	}
+	const esk_request request = {path, "", NULL};
+	esk_outcome outcome = esk_session_ask(session, &request, id);
+	free(path);
+	return outcome;
+}
+
+static esk_outcome show_list(esk_session *session)
+{
+	char *query = esk_session_query(session, "");
+	if (!query)
+		return ESK_REFUSED;
+	const esk_request request = {"/shapes", query, NULL};
+	esk_outcome outcome = esk_session_ask(session, &request, "shapes");
+	free(query);
+	return outcome;
+}
+
+esk_outcome esk_command_show(esk_session *session)
+{
+	const esk_arguments *arguments = session->arguments;
+	bool one = arguments->operand_count == 1;
+	esk_outcome outcome = esk_session_open(session, one ? ESKEL_REPORT_SHAPE : ESKEL_REPORT_SHAPES);
+	if (!outcome)
+		outcome = esk_session_connect(session);
+	if (outcome)
+		return outcome;
+	return one ? show_one(session, arguments->operands[0]) : show_list(session);
+}

@@ -1,0 +1,32 @@
+/* Progress of long work on standard error: a bar on a terminal, otherwise a line for each of
+ * several items when it is done. */
+#ifndef ESK_PROGRESS_H
+#define ESK_PROGRESS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <time.h>
+
+typedef struct {
+	bool quiet, terminal;
+	size_t item, items;             /* 1-based; how many there are */
+	const char *name;               /* of the item */
+	struct timespec started, drawn; /* the item; the bar */
+} esk_progress;
+
+void esk_progress_begin(esk_progress *progress, bool quiet, size_t items);
+
+/* The next item. Borrows its name until esk_progress_done. */
+void esk_progress_next(esk_progress *progress, const char *name);
+
+/* Part of the item is sent; once all is (sent == total), the other side computes. Cheap to call often. */
+void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total);
+
+/* So many of the item's steps are computed here. */
+void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t total);
+
+/* The item has ended: what is printed next starts on a clean line. */
+void esk_progress_done(esk_progress *progress);
+
+#endif
