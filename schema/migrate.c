@@ -46,3 +46,13 @@ eskel_store_status esk_migrate(sqlite3 *db, const char *const *steps, int count,
 		status = run_step(db, steps[version], version + 1, error);
 	return status;
 }
+
+eskel_store_status esk_migrate_check(sqlite3 *db, int count, eskel_store_error *error)
+{
+	int version = 0;
+	eskel_store_status status = read_version(db, &version, error);
+	if (status == ESKEL_STORE_OK && version != count)
+		return esk_status_fail(error, ESKEL_STORE_FOREIGN,
+			"the running server's schema is %d, expected %d: use its own program", version, count);
+	return status;
+}

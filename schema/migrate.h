@@ -11,4 +11,7 @@
  * FOREIGN, and nothing is written, when it has had more. */
 eskel_store_status esk_migrate(sqlite3 *db, const char *const *steps, int count, eskel_store_error *error);
 
+/* FOREIGN unless the database has had exactly count steps. Writes nothing. */
+eskel_store_status esk_migrate_check(sqlite3 *db, int count, eskel_store_error *error);
+
 #endif

@@ -45,18 +45,20 @@ static eskel_store_status quick_check(sqlite3 *db, eskel_store_error *error)
 	return ESKEL_STORE_OK;
 }
 
-static eskel_store_status bring_up(eskel_store *store, const char *path, eskel_store_error *error)
+static eskel_store_status bring_up(eskel_store *store, const char *path, bool beside_server, eskel_store_error *error)
 {
 	eskel_store_status status = esk_file_resolve(path, &store->path, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_file_lock(store->path, &store->lock, error);
-	if (status != ESKEL_STORE_OK)
+	bool beside = status == ESKEL_STORE_LOCKED && beside_server;
+	if (status != ESKEL_STORE_OK && !beside)
 		return status;
 	status = esk_file_check(store->path, esk_step_count, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_connection_open(store->path, ESK_CONNECTION_WRITE, &store->writer, error);
 	if (status == ESKEL_STORE_OK)
-		status = esk_migrate(store->writer, esk_steps, esk_step_count, error);
+		status = beside ? esk_migrate_check(store->writer, esk_step_count, error)
+				: esk_migrate(store->writer, esk_steps, esk_step_count, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_connection_use_wal(store->writer, error);
 	if (status == ESKEL_STORE_OK)
@@ -78,7 +80,7 @@ eskel_store_status eskel_store_open(
 	pthread_mutex_init(&opened->writes_mutex, NULL);
 	pthread_cond_init(&opened->writes_done, NULL);
 	pthread_mutex_init(&opened->readers_mutex, NULL);
-	eskel_store_status status = bring_up(opened, path, error);
+	eskel_store_status status = bring_up(opened, path, options && options->beside_server, error);
 	if (status == ESKEL_STORE_FOREIGN && opened->lock >= 0)
 		esk_file_unlock_and_remove(opened->path, &opened->lock);
 	if (status != ESKEL_STORE_OK) {

@@ -44,6 +44,8 @@ typedef struct eskel_store eskel_store;
 typedef struct {
 	uint64_t least_free_bytes; /* enrollment is refused (FULL) when the disk has less; default 64 MiB, so that
 	                              deletions still find room */
+	bool beside_server;        /* open a file that a server has locked: for tokens and the audit, of which servers
+	                              keep nothing in memory. Shapes must not be changed then */
 } eskel_store_options;
 
 /* Creates the file (mode 0600) or opens it, brings its schema up to date step by step, and takes its lock. A file with
