@@ -1,1 +1,110 @@
-#include "eskel_api.h"
+/* Opening and closing: the store, and the library filled from it. */
+#include "api.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_BODY_BYTES ((uint64_t)1 << 30)
+#define MOST_VOXELS ((uint64_t)1 << 31)
+#define MOST_LABELS 1024
+#define MOST_DISTANCES 4000000
+
+/* Signatures between two calls of loading: a progress bar needs no more, and a call may draw one. */
+#define LOADING_STEP 4096
+
+typedef struct {
+	eskel_api *api;
+	uint64_t loaded, total;
+	eskel_status status;
+} loader;
+
+static bool load_signature(void *context, int64_t key, const eskel_signature *signature)
+{
+	loader *loading = context;
+	const eskel_api_options *options = &loading->api->options;
+	loading->status = eskel_library_add(loading->api->library, key, signature);
+	if (loading->status != ESKEL_OK)
+		return false;
+	loading->loaded++;
+	if (options->loading && loading->loaded % LOADING_STEP == 0 &&
+		!options->loading(options->context, loading->loaded, loading->total))
+		loading->status = ESKEL_CANCELLED;
+	return loading->status == ESKEL_OK;
+}
+
+static eskel_store_status refuse(eskel_store_error *error, eskel_store_status status, const char *text)
+{
+	if (error) {
+		error->status = status;
+		snprintf(error->text, sizeof error->text, "the library of signatures is not filled: %s", text);
+	}
+	return status;
+}
+
+static eskel_store_status fill_library(eskel_api *api, eskel_store_error *error)
+{
+	loader loading = {.api = api, .status = eskel_library_new(&api->library)};
+	if (loading.status != ESKEL_OK)
+		return refuse(error, ESKEL_STORE_NO_MEMORY, eskel_status_text(loading.status));
+	eskel_store_status status = eskel_store_count(api->store, &loading.total, error);
+	if (status == ESKEL_STORE_OK)
+		status = eskel_store_each_signature(api->store, load_signature, &loading, error);
+	if (status != ESKEL_STORE_OK || loading.status == ESKEL_OK)
+		return status;
+	status = loading.status == ESKEL_NO_MEMORY ? ESKEL_STORE_NO_MEMORY : ESKEL_STORE_INVALID;
+	return refuse(error, status, eskel_status_text(loading.status));
+}
+
+static void set_defaults(eskel_api_options *options)
+{
+	if (options->most_body_bytes == 0)
+		options->most_body_bytes = MOST_BODY_BYTES;
+	if (options->most_voxels == 0)
+		options->most_voxels = MOST_VOXELS;
+	if (options->most_labels == 0)
+		options->most_labels = MOST_LABELS;
+	if (options->most_distances == 0)
+		options->most_distances = MOST_DISTANCES;
+}
+
+eskel_store_status eskel_api_open(
+	const char *database, const eskel_api_options *options, eskel_api **api, eskel_store_error *error)
+{
+	eskel_api *opened = calloc(1, sizeof *opened);
+	if (!opened || pthread_mutex_init(&opened->changing, NULL) != 0) {
+		free(opened);
+		return refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
+	}
+	if (options)
+		opened->options = *options;
+	set_defaults(&opened->options);
+	eskel_store_status status = eskel_store_open(database, &opened->options.store, &opened->store, error);
+	if (status == ESKEL_STORE_OK)
+		status = fill_library(opened, error);
+	if (status == ESKEL_STORE_OK)
+		*api = opened;
+	else
+		eskel_api_close(opened);
+	return status;
+}
+
+void eskel_api_close(eskel_api *api)
+{
+	if (!api)
+		return;
+	eskel_library_free(api->library);
+	eskel_store_close(api->store);
+	pthread_mutex_destroy(&api->changing);
+	free(api);
+}
+
+size_t eskel_api_shape_count(const eskel_api *api)
+{
+	return eskel_library_count(api->library);
+}
+
+eskel_store *eskel_api_store(eskel_api *api)
+{
+	return api->store;
+}

@@ -1,0 +1,47 @@
+/* One request and its response, as the handlers see it. */
+#ifndef ESK_EXCHANGE_H
+#define ESK_EXCHANGE_H
+
+#include "api.h"
+#include "json.h"
+#include "problem.h"
+#include "query.h"
+#include "route.h"
+#include "text.h"
+
+#define ESK_RESPONSE_HEADERS 4
+
+struct eskel_exchange {
+	eskel_api *api;
+	const esk_route *route; /* NULL: the path is unknown */
+	char *id;               /* the {id} of the path, well formed; NULL without one */
+	size_t query_count, header_count;
+	eskel_field *query_fields, *headers; /* copies */
+	eskel_role role;
+	char *actor;
+	esk_query query;     /* borrows from query_fields */
+	esk_problem problem; /* why a handler or check returned false */
+
+	uint64_t body_size;   /* received */
+	eskel_volume *volume; /* of ESK_BODY_VOLUME */
+	esk_text json;        /* of ESK_BODY_JSON */
+
+	bool settled;
+	eskel_response response;
+	eskel_field response_headers[ESK_RESPONSE_HEADERS];
+	char *response_body;
+};
+
+/* NULL when it was not sent. */
+const char *esk_exchange_request_header(const eskel_exchange *exchange, const char *name);
+
+/* Settles the response; false, with the problem set, when body is NULL or memory ran out. Takes body. */
+bool esk_exchange_answer(eskel_exchange *exchange, int status, const char *content_type, char *body, size_t size);
+bool esk_exchange_answer_json(eskel_exchange *exchange, int status, json_t *body);
+bool esk_exchange_answer_nothing(eskel_exchange *exchange, int status);
+
+/* Adds a header to the response to come; name is static. */
+bool esk_exchange_add_header(eskel_exchange *exchange, const char *name, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+
+#endif

@@ -1,0 +1,356 @@
+/* The query of a URL, see query.h. A parameter is a row of the table below and a function that takes its value. */
+#include "query.h"
+
+#include "label_name.h"
+#include "text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One parameter as sent. name may say more than the row's own: "attr.scanner" of "attr.KEY". */
+typedef struct {
+	const struct parameter *row;
+	const char *name, *value;
+} argument;
+
+/* target: the member of esk_query that the row names, the query itself if it names none. */
+typedef bool take_argument(void *target, const argument *given, esk_problem *problem);
+
+struct parameter {
+	const char *name;
+	take_argument *take;
+	size_t field;               /* offset in esk_query */
+	int64_t most;               /* of a number */
+	const char *const *choices; /* of a choice, in the order of its enum */
+	bool repeatable;
+};
+
+static bool take_text(void *target, const argument *given, esk_problem *problem)
+{
+	if (!esk_value_text(given->name, given->value, ESK_TEXT_MOST, problem))
+		return false;
+	*(const char **)target = given->value;
+	return true;
+}
+
+static bool take_class(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_class(given->name, given->value, target, problem);
+}
+
+static bool take_side(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_side(given->name, given->value, target, problem);
+}
+
+static bool take_sex(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_sex(given->name, given->value, target, problem);
+}
+
+static bool take_years(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_years(given->name, given->value, target, problem);
+}
+
+static bool take_number(void *target, const argument *given, esk_problem *problem)
+{
+	int64_t number;
+	if (!esk_value_integer(given->name, given->value, 1, given->row->most, &number, problem))
+		return false;
+	*(unsigned *)target = (unsigned)number;
+	return true;
+}
+
+static bool take_choice(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_choice(given->name, given->value, given->row->choices, target, problem);
+}
+
+static bool take_attribute(void *target, const argument *given, esk_problem *problem)
+{
+	esk_query *query = target;
+	const char *key = given->name + strlen("attr.");
+	if (!esk_value_text("an attribute's key", key, ESK_ATTRIBUTE_KEY_MOST, problem) ||
+		!esk_value_text(given->name, given->value, ESK_TEXT_MOST, problem))
+		return false;
+	if (query->attribute_count == ESK_ATTRIBUTES_MOST)
+		return esk_problem_set(problem, 400, "%s is one attribute too many, expected at most %d", given->name,
+			ESK_ATTRIBUTES_MOST);
+	eskel_attribute *grown = realloc(query->attributes, (query->attribute_count + 1) * sizeof *grown);
+	if (!grown)
+		return esk_problem_no_memory(problem);
+	query->attributes = grown;
+	eskel_attribute attribute = {strdup(key), strdup(given->value)};
+	query->attributes[query->attribute_count++] = attribute;
+	return attribute.key && attribute.value ? true : esk_problem_no_memory(problem);
+}
+
+static bool take_label(void *target, const argument *given, esk_problem *problem)
+{
+	esk_query *query = target;
+	bool all = strcmp(given->value, "all") == 0;
+	if (query->all_labels || (all && query->label_count > 0))
+		return esk_problem_set(problem, 400, "label=all means every label, expected no other label beside it");
+	if (all)
+		return query->all_labels = true;
+	int64_t label;
+	if (!esk_value_integer("label", given->value, -INT32_MAX, INT32_MAX, &label, problem) || label == 0)
+		return esk_problem_set(
+			problem, 400, "label is \"%.60s\", expected all or a whole number that is not 0", given->value);
+	for (size_t i = 0; i < query->label_count; i++)
+		if (query->labels[i] == label)
+			return esk_problem_set(problem, 400, "label %" PRId64 " is given twice, expected once", label);
+	int32_t *grown = realloc(query->labels, (query->label_count + 1) * sizeof *grown);
+	if (!grown)
+		return esk_problem_no_memory(problem);
+	query->labels = grown;
+	query->labels[query->label_count++] = (int32_t)label;
+	return true;
+}
+
+static esk_label_words *words_of(esk_query *query, int32_t label)
+{
+	for (size_t i = 0; i < query->words_count; i++)
+		if (query->words[i].label == label)
+			return &query->words[i];
+	esk_label_words *grown = realloc(query->words, (query->words_count + 1) * sizeof *grown);
+	if (!grown)
+		return NULL;
+	query->words = grown;
+	query->words[query->words_count] = (esk_label_words){.label = label};
+	return &query->words[query->words_count++];
+}
+
+/* The name is "label.N.name", "label.N.class" or "label.N.side". */
+static bool take_label_words(void *target, const argument *given, esk_problem *problem)
+{
+	const char *number = given->name + strlen("label."), *member = strchr(number, '.') + 1;
+	char digits[16];
+	int64_t label;
+	snprintf(digits, sizeof digits, "%.*s", (int)(member - 1 - number), number);
+	if (!esk_value_integer("the N of a label.N parameter", digits, -INT32_MAX, INT32_MAX, &label, problem))
+		return false;
+	esk_label_words *words = words_of(target, (int32_t)label);
+	if (!words)
+		return esk_problem_no_memory(problem);
+	if (strcmp(member, "class") == 0)
+		return esk_value_class(given->name, given->value, words->class, problem);
+	if (strcmp(member, "side") == 0)
+		return esk_value_side(given->name, given->value, &words->side, problem);
+	words->name = given->value;
+	return esk_value_text(given->name, given->value, ESK_TEXT_MOST, problem);
+}
+
+static bool take_shape(void *target, const argument *given, esk_problem *problem)
+{
+	if (!esk_value_is_id(given->value))
+		return esk_problem_set(problem, 400, "shape is \"%.60s\", expected " ESK_ID_EXPECTED, given->value);
+	*(const char **)target = given->value;
+	return true;
+}
+
+static bool take_ids(void *target, const argument *given, esk_problem *problem)
+{
+	esk_query *query = target;
+	query->ids = calloc(strlen(given->value) / ESKEL_ID_SIZE + 1, sizeof *query->ids);
+	if (!query->ids)
+		return esk_problem_no_memory(problem);
+	for (const char *rest = given->value;; rest++) {
+		size_t size = strcspn(rest, ",");
+		char *id = query->ids[query->id_count];
+		if (size == ESKEL_ID_SIZE - 1)
+			memcpy(id, rest, size);
+		if (!esk_value_is_id(id))
+			return esk_problem_set(problem, 400,
+				"id has \"%.*s\", expected " ESK_ID_EXPECTED ", several with commas between",
+				(int)(size < 60 ? size : 60), rest);
+		query->id_count++;
+		rest += size;
+		if (!*rest)
+			return true;
+	}
+}
+
+static bool take_cursor(void *target, const argument *given, esk_problem *problem)
+{
+	uint64_t key = UINT64_MAX;
+	const char *digits = given->value + 1;
+	if (given->value[0] == 'k' && strspn(digits, "0123456789abcdef") == 16 && digits[16] == 0)
+		key = strtoull(digits, NULL, 16);
+	if (key > INT64_MAX)
+		return esk_problem_set(
+			problem, 400, "cursor is \"%.60s\", expected the next of an earlier answer", given->value);
+	*(int64_t *)target = (int64_t)key;
+	return true;
+}
+
+static const char *const modes[] = {"pruned", "exact", NULL};
+static const char *const signatures[] = {"log", "paper", NULL};
+static const char *const distances[] = {"sum", "level", NULL};
+static const char *const metrics[] = {"manhattan", "euclidean", NULL};
+static const char *const sizes[] = {"fixed", "free", NULL};
+static const char *const formats[] = {"json", "csv", NULL};
+static const char *const answers[] = {"false", "true", NULL};
+
+#define FIELD(member) .field = offsetof(esk_query, member)
+
+/* Where no member is named the whole query is the target. */
+static const struct parameter parameters[] = {
+	{.name = "age", .take = take_years, FIELD(age)},
+	{.name = "age_max", .take = take_years, FIELD(age_max)},
+	{.name = "age_min", .take = take_years, FIELD(age_min)},
+	{.name = "attr.KEY", .take = take_attribute},
+	{.name = "class", .take = take_class, FIELD(class)},
+	{.name = "cursor", .take = take_cursor, FIELD(cursor)},
+	{.name = "distance", .take = take_choice, FIELD(distance), .choices = distances},
+	{.name = "explain", .take = take_choice, FIELD(explain), .choices = answers},
+	{.name = "format", .take = take_choice, FIELD(format), .choices = formats},
+	{.name = "id", .take = take_ids},
+	{.name = "label", .take = take_label, .repeatable = true},
+	{.name = "label.N.class", .take = take_label_words},
+	{.name = "label.N.name", .take = take_label_words},
+	{.name = "label.N.side", .take = take_label_words},
+	{.name = "level", .take = take_number, FIELD(level), .most = ESKEL_LEVELS_MAX},
+	{.name = "levels", .take = take_number, FIELD(levels), .most = ESKEL_LEVELS_MAX},
+	{.name = "limit", .take = take_number, FIELD(limit), .most = INT32_MAX},
+	{.name = "metric", .take = take_choice, FIELD(metric), .choices = metrics},
+	{.name = "mode", .take = take_choice, FIELD(mode), .choices = modes},
+	{.name = "name", .take = take_text, FIELD(name)},
+	{.name = "not.subject", .take = take_text, FIELD(not_subject)},
+	{.name = "q", .take = take_text, FIELD(text)},
+	{.name = "sex", .take = take_sex, FIELD(sex)},
+	{.name = "shape", .take = take_shape, FIELD(shape)},
+	{.name = "side", .take = take_side, FIELD(side)},
+	{.name = "signature", .take = take_choice, FIELD(signature), .choices = signatures},
+	{.name = "size", .take = take_choice, FIELD(size), .choices = sizes},
+	{.name = "subject", .take = take_text, FIELD(subject)},
+};
+
+/* attr.KEY fits any key, label.N.name any number in place of N. */
+static bool name_fits(const char *pattern, const char *name)
+{
+	if (strcmp(pattern, "attr.KEY") == 0)
+		return strncmp(name, "attr.", 5) == 0;
+	if (strncmp(pattern, "label.N.", 8) != 0)
+		return strcmp(pattern, name) == 0;
+	if (strncmp(name, "label.", 6) != 0)
+		return false;
+	const char *number = name + 6 + (name[6] == '-');
+	size_t size = strspn(number, "0123456789");
+	return size > 0 && size <= 10 && strcmp(number + size, pattern + 7) == 0;
+}
+
+static const struct parameter *find_parameter(const char *pattern)
+{
+	for (size_t i = 0; i < sizeof parameters / sizeof *parameters; i++)
+		if (strcmp(parameters[i].name, pattern) == 0)
+			return &parameters[i];
+	return NULL;
+}
+
+static bool refuse_name(const char *const *allowed, const char *name, esk_problem *problem)
+{
+	char known[400] = "";
+	for (size_t used = 0; *allowed; allowed++, used = strlen(known))
+		snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", *allowed);
+	if (!known[0])
+		return esk_problem_set(problem, 400, "there is no query parameter \"%.60s\", expected none here", name);
+	return esk_problem_set(problem, 400, "there is no query parameter \"%.60s\" here, expected %s", name, known);
+}
+
+static bool given_before(const eskel_field *fields, size_t index)
+{
+	for (size_t i = 0; i < index; i++)
+		if (strcmp(fields[i].name, fields[index].name) == 0)
+			return true;
+	return false;
+}
+
+static int compare_attributes(const void *a, const void *b)
+{
+	return strcmp(((const eskel_attribute *)a)->key, ((const eskel_attribute *)b)->key);
+}
+
+bool esk_query_parse(
+	esk_query *query, const char *const *allowed, const eskel_field *fields, size_t count, esk_problem *problem)
+{
+	query->age = query->age_min = query->age_max = NAN;
+	query->format = ESK_FORMAT_UNSAID;
+	for (size_t i = 0; i < count; i++) {
+		const char *name = fields[i].name;
+		const char *const *pattern = allowed;
+		while (*pattern && !name_fits(*pattern, name))
+			pattern++;
+		if (!*pattern)
+			return refuse_name(allowed, name, problem);
+		const struct parameter *row = find_parameter(*pattern);
+		if (!row->repeatable && given_before(fields, i))
+			return esk_problem_set(problem, 400, "%.60s is given twice, expected once", name);
+		const argument given = {row, name, fields[i].value};
+		if (!row->take((char *)query + row->field, &given, problem))
+			return false;
+	}
+	if (query->attribute_count > 0)
+		qsort(query->attributes, query->attribute_count, sizeof *query->attributes, compare_attributes);
+	if (query->age_min > query->age_max)
+		return esk_problem_set(
+			problem, 400, "age_min is %g, expected at most age_max, %g", query->age_min, query->age_max);
+	return true;
+}
+
+void esk_query_clear(esk_query *query)
+{
+	for (size_t i = 0; i < query->attribute_count; i++) {
+		free(query->attributes[i].key);
+		free(query->attributes[i].value);
+	}
+	free(query->attributes);
+	free(query->labels);
+	free(query->words);
+	free(query->ids);
+	*query = (esk_query){0};
+}
+
+eskel_filter esk_query_filter(const esk_query *query)
+{
+	return (eskel_filter){
+		.class = query->class[0] ? query->class : NULL,
+		.subject = query->subject,
+		.not_subject = query->not_subject,
+		.side = query->side,
+		.sex = query->sex,
+		.age_min = query->age_min,
+		.age_max = query->age_max,
+		.text = query->text,
+		.attribute_count = query->attribute_count,
+		.attributes = query->attributes,
+	};
+}
+
+const esk_label_words *esk_query_words(const esk_query *query, int32_t label)
+{
+	for (size_t i = 0; i < query->words_count; i++)
+		if (query->words[i].label == label)
+			return &query->words[i];
+	return NULL;
+}
+
+eskel_distance_options esk_query_distance(const esk_query *query)
+{
+	return (eskel_distance_options){
+		.signature = (eskel_signature_kind)query->signature,
+		.distance = (eskel_distance_kind)query->distance,
+		.level = query->level,
+		.metric = (eskel_metric)query->metric,
+		.size = (eskel_size)query->size,
+	};
+}
+
+void esk_query_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE])
+{
+	snprintf(text, ESK_CURSOR_SIZE, "k%016" PRIx64, (uint64_t)key);
+}

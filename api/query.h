@@ -1,0 +1,66 @@
+/* The query of a URL, parsed once for every route: one table of parameters (query.c) says how each value is taken, a
+ * route names those that it allows. The parsed struct borrows text from the fields it was parsed from. */
+#ifndef ESK_QUERY_H
+#define ESK_QUERY_H
+
+#include "eskel_api.h"
+#include "problem.h"
+#include "value.h"
+
+/* What is said of one label: label.N.name, .class, .side. */
+typedef struct {
+	int32_t label;
+	const char *name;              /* NULL: not said, as everywhere below */
+	char class[ESK_TEXT_MOST + 1]; /* normalised (label_name.h); "": not said */
+	eskel_side side;
+} esk_label_words;
+
+enum { ESK_FORMAT_JSON, ESK_FORMAT_CSV, ESK_FORMAT_UNSAID };
+
+typedef struct {
+	/* said of shapes: a description where shapes are posted, a condition where they are chosen */
+	const char *name, *subject, *not_subject, *text;
+	char class[ESK_TEXT_MOST + 1];
+	eskel_side side;
+	eskel_sex sex;
+	double age, age_min, age_max; /* NaN: not said */
+	size_t attribute_count;
+	eskel_attribute *attributes; /* ascending unique keys */
+
+	/* labels of a posted volume; none given: all */
+	size_t label_count;
+	int32_t *labels;
+	bool all_labels; /* label=all was given */
+	size_t words_count;
+	esk_label_words *words;
+
+	const char *shape; /* an id */
+	size_t id_count;
+	char (*ids)[ESKEL_ID_SIZE];
+	int64_t cursor;                                   /* the key to go on after */
+	unsigned limit, level, levels;                    /* 0: not given */
+	unsigned mode, signature, distance, metric, size; /* of the enums of eskel.h */
+	unsigned format;                                  /* ESK_FORMAT_... */
+	unsigned explain;
+} esk_query;
+
+/* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families. A name
+ * that is not allowed is refused with those that are, a value out of its range with the range, a second value of a
+ * parameter that takes one. The query must be clear (all zero) before; clear it also after a failure. */
+bool esk_query_parse(
+	esk_query *query, const char *const *allowed, const eskel_field *fields, size_t count, esk_problem *problem);
+void esk_query_clear(esk_query *query);
+
+/* The conditions on shapes, borrowed from the query. */
+eskel_filter esk_query_filter(const esk_query *query);
+
+/* What is said of one label of a volume, NULL if nothing. */
+const esk_label_words *esk_query_words(const esk_query *query, int32_t label);
+
+eskel_distance_options esk_query_distance(const esk_query *query);
+
+/* The opaque text of a cursor, for the parameter of that name. */
+#define ESK_CURSOR_SIZE 18
+void esk_query_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE]);
+
+#endif

@@ -1,0 +1,52 @@
+/* One recognition: the nearest shapes of the library, their handedness beside the query's, and the verdict. */
+#ifndef ESK_RECOGNITION_H
+#define ESK_RECOGNITION_H
+
+#include "api.h"
+#include "json.h"
+#include "problem.h"
+#include "query.h"
+#include "verdict.h"
+
+/* What is recognised, borrowed. A stored shape leaves itself out. */
+typedef struct {
+	const eskel_shape *shape;
+	const eskel_skeleton *skeleton;
+	const eskel_signature *signature;
+} esk_unknown;
+
+/* What it is compared with: the keys that a filter leaves, or all. */
+typedef struct {
+	int64_t *keys; /* NULL: all */
+	size_t count;
+} esk_choice;
+
+typedef struct {
+	const eskel_neighbour *found; /* of the search result */
+	eskel_shape shape;
+	eskel_chirality chirality;
+	eskel_signature *signature; /* only when differences are asked for */
+} esk_neighbour;
+
+typedef struct {
+	eskel_search_result *search;
+	double milliseconds; /* of the search */
+	size_t count;
+	esk_neighbour *neighbours; /* found by the search and still stored */
+	esk_verdict verdict;
+} esk_recognition;
+
+bool esk_choice_make(eskel_api *api, const esk_query *query, esk_choice *choice, esk_problem *problem);
+void esk_choice_clear(esk_choice *choice);
+
+bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, const esk_query *query,
+	esk_recognition *recognition, esk_problem *problem);
+void esk_recognition_clear(esk_recognition *recognition);
+
+#define ESK_NEIGHBOURS_DEFAULT 5
+#define ESK_NEIGHBOURS_MOST 100
+
+/* One of the results of an answer; as many neighbours as the query's limit (recognition_json.c). */
+json_t *esk_recognition_json(const esk_unknown *unknown, const esk_recognition *recognition, const esk_query *query);
+
+#endif

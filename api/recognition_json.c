@@ -1,0 +1,139 @@
+/* One recognition as JSON, see recognition.h. */
+#include "difference.h"
+#include "recognition.h"
+#include "shape_json.h"
+
+/* Classes are explained at a level that a person can still look at. */
+#define EXPLAINED_LEVEL 10
+
+static json_t *search_json(const esk_recognition *recognition, const esk_query *query)
+{
+	const eskel_search_result *search = recognition->search;
+	json_t *kept = json_array();
+	for (uint32_t i = 0; i < search->step_count; i++)
+		if (json_array_append_new(kept, json_integer((json_int_t)search->kept[i])) != 0) {
+			json_decref(kept);
+			return NULL;
+		}
+	return json_pack("{s:s, s:b, s:s, s:I, s:I, s:o, s:o}", "mode",
+		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)search->proven, "distance",
+		query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library", (json_int_t)search->library,
+		"compared", (json_int_t)search->compared, "kept", kept, "milliseconds",
+		esk_json_real(recognition->milliseconds));
+}
+
+static json_t *chirality_json(const eskel_chirality *chirality)
+{
+	static const char *const verdicts[] = {
+		[ESKEL_CHIRALITY_UNDECIDED] = "undecided",
+		[ESKEL_CHIRALITY_SAME] = "same",
+		[ESKEL_CHIRALITY_MIRRORED] = "mirrored",
+	};
+	json_t *determinant = json_null();
+	if (chirality->has_determinant)
+		determinant = json_pack("{s:i, s:o, s:o}", "level", (int)chirality->determinant_level, "query",
+			esk_json_real(chirality->determinant[0]), "neighbour",
+			esk_json_real(chirality->determinant[1]));
+	return json_pack("{s:s, s:o, s:o}", "verdict", verdicts[chirality->verdict], "score",
+		esk_json_real(chirality->score), "determinant", determinant);
+}
+
+static json_t *match_json(const eskel_match *match)
+{
+	json_t *pairs = json_array();
+	for (uint32_t i = 0; i < match->level; i++) {
+		json_t *pair = json_pack("[i, i, o]", (int)i, (int)match->other[i], esk_json_real(match->pair_cost[i]));
+		if (json_array_append_new(pairs, pair) != 0) {
+			json_decref(pairs);
+			return NULL;
+		}
+	}
+	return json_pack("{s:i, s:o}", "level", (int)match->level, "pairs", pairs);
+}
+
+static json_t *difference_json(const esk_difference *difference)
+{
+	return json_pack("{s:i, s:i, s:o, s:o, s:s?}", "class", (int)difference->class_index, "other",
+		(int)difference->other, "length_ratio", esk_json_reals(difference->length_ratio, 3),
+		"rho_difference_mm", esk_json_real(difference->rho_difference), "text",
+		difference->text[0] ? difference->text : NULL);
+}
+
+static json_t *differences_json(
+	const eskel_signature *query, const eskel_signature *neighbour, const eskel_match *match, eskel_size size)
+{
+	json_t *array = json_array();
+	for (uint32_t i = 0; i < match->level; i++) {
+		esk_difference difference;
+		esk_difference_of_class(query, neighbour, match, size, i, &difference);
+		if (json_array_append_new(array, difference_json(&difference)) != 0) {
+			json_decref(array);
+			return NULL;
+		}
+	}
+	return array;
+}
+
+/* Adds match and differences, at the level asked for or EXPLAINED_LEVEL, or at the deepest that both have. */
+static bool explain(
+	json_t *json, const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_query *query)
+{
+	const eskel_distance_options options = esk_query_distance(query);
+	uint32_t level = query->level ? query->level : EXPLAINED_LEVEL;
+	eskel_match match;
+	if (level > query_signature->level_count)
+		level = query_signature->level_count;
+	if (level > neighbour->signature->level_count)
+		level = neighbour->signature->level_count;
+	if (eskel_match_level(query_signature, neighbour->signature, &options, level, &match) != ESKEL_OK)
+		return false;
+	return json_object_set_new(json, "match", match_json(&match)) == 0 &&
+	       json_object_set_new(json, "differences",
+		       differences_json(query_signature, neighbour->signature, &match, options.size)) == 0;
+}
+
+static json_t *neighbour_json(
+	const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_query *query)
+{
+	const eskel_neighbour *found = neighbour->found;
+	const eskel_description *said = &neighbour->shape.description;
+	json_t *json = json_pack("{s:s, s:s?, s:s?, s:s?, s:s?, s:o, s:o, s:o}", "id", neighbour->shape.id, "name",
+		said->name, "class", said->class, "side", esk_value_side_text(said->side), "subject", said->subject,
+		"distance", esk_json_real(found->distance), "levels", esk_json_reals(found->levels, found->level_count),
+		"chirality", chirality_json(&neighbour->chirality));
+	if (json && query->explain && !explain(json, query_signature, neighbour, query)) {
+		json_decref(json);
+		return NULL;
+	}
+	return json;
+}
+
+static json_t *neighbours_json(
+	const eskel_signature *query_signature, const esk_recognition *recognition, const esk_query *query)
+{
+	size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
+	json_t *array = json_array();
+	for (size_t i = 0; i < recognition->count && i < limit; i++)
+		if (json_array_append_new(array, neighbour_json(query_signature, &recognition->neighbours[i], query)) !=
+			0) {
+			json_decref(array);
+			return NULL;
+		}
+	return array;
+}
+
+static json_t *verdict_json(const esk_verdict *verdict)
+{
+	json_t *agrees =
+		verdict->agrees == ESK_AGREES_UNKNOWN ? json_null() : json_boolean(verdict->agrees == ESK_AGREES);
+	return json_pack("{s:s?, s:o, s:s?, s:o, s:o}", "class", verdict->class, "class_score",
+		esk_json_real(verdict->class_score), "side", esk_value_side_text(verdict->side), "side_score",
+		esk_json_real(verdict->side_score), "agrees", agrees);
+}
+
+json_t *esk_recognition_json(const esk_unknown *unknown, const esk_recognition *recognition, const esk_query *query)
+{
+	return json_pack("{s:o, s:o, s:o, s:o}", "query", esk_shape_json(unknown->shape), "search",
+		search_json(recognition, query), "neighbours", neighbours_json(unknown->signature, recognition, query),
+		"verdict", verdict_json(&recognition->verdict));
+}

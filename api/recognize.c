@@ -1,0 +1,118 @@
+/* GET and POST /recognize: a stored shape, or each label of a posted volume, of which nothing is stored. */
+#include "exchange.h"
+#include "recognition.h"
+#include "resources.h"
+#include "specimen.h"
+
+#include <math.h>
+#include <string.h>
+
+bool esk_recognize_check(eskel_exchange *exchange)
+{
+	const esk_query *query = &exchange->query;
+	if (exchange->route->body == ESK_BODY_NONE && !query->shape)
+		return esk_problem_set(&exchange->problem, 400, "shape is missing, expected " ESK_ID_EXPECTED);
+	if (query->limit > ESK_NEIGHBOURS_MOST)
+		return esk_problem_set(
+			&exchange->problem, 400, "limit is %u, expected 1 to %d", query->limit, ESK_NEIGHBOURS_MOST);
+	if (query->level && query->distance != ESKEL_DISTANCE_LEVEL && !query->explain)
+		return esk_problem_set(&exchange->problem, 400,
+			"level is %u without a use, expected distance=level or explain=true beside it", query->level);
+	return true;
+}
+
+/* Adds the recognition of one unknown to the results. */
+static bool recognize(eskel_exchange *exchange, const esk_unknown *unknown, const esk_choice *choice, json_t *results)
+{
+	esk_recognition recognition = {0};
+	bool good = esk_recognition_make(
+		exchange->api, unknown, choice, &exchange->query, &recognition, &exchange->problem);
+	if (good && json_array_append_new(results, esk_recognition_json(unknown, &recognition, &exchange->query)) != 0)
+		good = esk_problem_no_memory(&exchange->problem);
+	esk_recognition_clear(&recognition);
+	return good;
+}
+
+/* Takes results. */
+static bool answer_results(eskel_exchange *exchange, json_t *results)
+{
+	return esk_exchange_answer_json(exchange, 200, json_pack("{s:o}", "results", results));
+}
+
+static bool read_objects(eskel_exchange *exchange, int64_t key, eskel_skeleton **skeleton, eskel_signature **signature)
+{
+	eskel_store_error error = {0};
+	eskel_store_status status = eskel_store_skeleton(exchange->api->store, key, skeleton, &error);
+	if (status == ESKEL_STORE_OK)
+		status = eskel_store_signature(exchange->api->store, key, signature, &error);
+	return esk_problem_store(&exchange->problem, status, &error);
+}
+
+bool esk_recognize_shape(eskel_exchange *exchange)
+{
+	eskel_shape shape = {0};
+	eskel_skeleton *skeleton = NULL;
+	eskel_signature *signature = NULL;
+	esk_choice choice = {0};
+	json_t *results = json_array();
+	bool good = esk_shape_of_id(exchange, exchange->query.shape, &shape) &&
+		    read_objects(exchange, shape.key, &skeleton, &signature) &&
+		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
+		    recognize(exchange, &(esk_unknown){&shape, skeleton, signature}, &choice, results);
+	if (good)
+		good = answer_results(exchange, results);
+	else
+		json_decref(results);
+	esk_choice_clear(&choice);
+	eskel_signature_free(signature);
+	eskel_skeleton_free(skeleton);
+	eskel_shape_clear(&shape);
+	return good;
+}
+
+/* class, side and so on choose the shapes to compare with; of the labels the query says only what name and label.N say. */
+static esk_query said_of_labels(const esk_query *query)
+{
+	return (esk_query){
+		.name = query->name,
+		.age = NAN,
+		.label_count = query->label_count,
+		.labels = query->labels,
+		.words_count = query->words_count,
+		.words = query->words,
+	};
+}
+
+static bool recognize_specimens(
+	eskel_exchange *exchange, esk_specimens *specimens, const esk_choice *choice, json_t *results)
+{
+	uint32_t level = exchange->query.level;
+	uint32_t levels = level > ESKEL_LEVELS_DEFAULT ? level : ESKEL_LEVELS_DEFAULT;
+	for (size_t i = 0; i < specimens->count; i++) {
+		esk_specimen *specimen = &specimens->items[i];
+		if (!esk_specimen_analyse(specimen, specimens, levels, &exchange->problem))
+			return false;
+		const esk_unknown unknown = {&specimen->shape, specimen->skeleton, specimen->signature};
+		if (!recognize(exchange, &unknown, choice, results))
+			return false;
+	}
+	return true;
+}
+
+bool esk_recognize_volume(eskel_exchange *exchange)
+{
+	esk_specimens specimens = {0};
+	esk_choice choice = {0};
+	json_t *results = json_array();
+	const esk_query said = said_of_labels(&exchange->query);
+	bool good = esk_specimens_take(exchange, &said, &specimens) &&
+		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
+		    recognize_specimens(exchange, &specimens, &choice, results);
+	if (good)
+		good = answer_results(exchange, results);
+	else
+		json_decref(results);
+	esk_choice_clear(&choice);
+	esk_specimens_clear(&specimens);
+	return good;
+}

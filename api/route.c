@@ -1,0 +1,93 @@
+/* The route table, see route.h. openapi.yaml says the same to people; a test compares the two. */
+#include "route.h"
+
+#include "resources.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define FILTER "class", "side", "subject", "sex", "age_min", "age_max", "attr.KEY", "q"
+#define DISTANCE "signature", "distance", "level", "metric", "size"
+#define SEARCH "limit", "mode", DISTANCE, "not.subject", "explain", FILTER
+#define LABELS "label", "label.N.name", "label.N.class", "label.N.side"
+
+static const char *const nothing[] = {NULL};
+static const char *const list[] = {FILTER, "limit", "cursor", NULL};
+static const char *const enroll[] = {LABELS, "name", "class", "side", "subject", "age", "sex", "attr.KEY", "levels", NULL};
+static const char *const signature[] = {"level", NULL};
+static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
+static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
+static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
+
+#define READ ESKEL_ROLE_READ
+#define WRITE ESKEL_ROLE_WRITE
+
+static const esk_route routes[] = {
+	{"/distances", "GET", READ, ESK_BODY_NONE, true, distances, esk_distances_check, esk_distances_get},
+	{"/healthz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_live},
+	{"/openapi.json", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_openapi_get},
+	{"/readyz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_ready},
+	{"/recognize", "GET", READ, ESK_BODY_NONE, true, recognize_shape, esk_recognize_check, esk_recognize_shape},
+	{"/recognize", "POST", READ, ESK_BODY_VOLUME, true, recognize_volume, esk_recognize_check, esk_recognize_volume},
+	{"/shapes", "GET", READ, ESK_BODY_NONE, false, list, esk_shapes_check, esk_shapes_list},
+	{"/shapes", "POST", WRITE, ESK_BODY_VOLUME, true, enroll, NULL, esk_enroll},
+	{"/shapes/{id}", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_shape_get},
+	{"/shapes/{id}", "PATCH", WRITE, ESK_BODY_JSON, true, nothing, NULL, esk_shape_patch},
+	{"/shapes/{id}", "DELETE", WRITE, ESK_BODY_NONE, true, nothing, NULL, esk_shape_delete},
+	{"/shapes/{id}/signature", "GET", READ, ESK_BODY_NONE, false, signature, NULL, esk_signature_get},
+	{"/shapes/{id}/skeleton", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_skeleton_get},
+};
+
+#define ROUTE_COUNT (sizeof routes / sizeof *routes)
+
+const esk_route *esk_route_table(size_t *count)
+{
+	*count = ROUTE_COUNT;
+	return routes;
+}
+
+static bool path_fits(const char *template, const char *path, const char **segment)
+{
+	const char *found = NULL;
+	while (*template) {
+		if (*template == '{') {
+			found = path;
+			template += strlen("{id}");
+			path += strcspn(path, "/");
+			if (path == found)
+				return false;
+		} else if (*template++ != *path++) {
+			return false;
+		}
+	}
+	if (*path)
+		return false;
+	*segment = found;
+	return true;
+}
+
+const esk_route *esk_route_of_path(const char *path, const char **segment)
+{
+	for (size_t i = 0; i < ROUTE_COUNT; i++)
+		if (path_fits(routes[i].path, path, segment))
+			return &routes[i];
+	return NULL;
+}
+
+const esk_route *esk_route_of_method(const esk_route *route, const char *method)
+{
+	for (size_t i = 0; i < ROUTE_COUNT; i++)
+		if (strcmp(routes[i].path, route->path) == 0 && strcmp(routes[i].method, method) == 0)
+			return &routes[i];
+	return NULL;
+}
+
+void esk_route_allow(const esk_route *route, char allow[ESK_ALLOW_SIZE])
+{
+	size_t used = 0;
+	for (size_t i = 0; i < ROUTE_COUNT; i++)
+		if (strcmp(routes[i].path, route->path) == 0)
+			used += (size_t)snprintf(allow + used, ESK_ALLOW_SIZE - used, "%s%s, ", routes[i].method,
+				strcmp(routes[i].method, "GET") == 0 ? ", HEAD" : "");
+	snprintf(allow + used, ESK_ALLOW_SIZE - used, "OPTIONS");
+}

@@ -1,0 +1,39 @@
+/* GET /shapes/{id}/signature: the rows of one level, by default the deepest. */
+#include "exchange.h"
+#include "resources.h"
+
+static json_t *signature_json(const eskel_signature *signature, uint32_t level)
+{
+	json_t *rows = json_array();
+	for (size_t i = 0; i < level; i++) {
+		const double *row = signature->rows[ESKEL_NODES(level - 1) + i];
+		if (json_array_append_new(rows, esk_json_reals(row, ESKEL_SIGNATURE_NUMBERS)) != 0) {
+			json_decref(rows);
+			return NULL;
+		}
+	}
+	return json_pack("{s:i, s:o}", "level", (int)level, "rows", rows);
+}
+
+static bool answer_level(eskel_exchange *exchange, const eskel_signature *signature)
+{
+	uint32_t level = exchange->query.level ? exchange->query.level : signature->level_count;
+	if (level > signature->level_count)
+		return esk_problem_set(&exchange->problem, 400, "level is %u, expected 1 to %u: shape %s has no more",
+			level, signature->level_count, exchange->id);
+	return esk_exchange_answer_json(exchange, 200, signature_json(signature, level));
+}
+
+bool esk_signature_get(eskel_exchange *exchange)
+{
+	eskel_shape shape = {0};
+	eskel_signature *signature = NULL;
+	eskel_store_error error = {0};
+	if (!esk_shape_of_id(exchange, exchange->id, &shape))
+		return false;
+	eskel_store_status status = eskel_store_signature(exchange->api->store, shape.key, &signature, &error);
+	bool good = esk_problem_store(&exchange->problem, status, &error) && answer_level(exchange, signature);
+	eskel_signature_free(signature);
+	eskel_shape_clear(&shape);
+	return good;
+}

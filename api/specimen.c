@@ -1,0 +1,201 @@
+/* The labels of a posted volume, see specimen.h. */
+#include "specimen.h"
+
+#include "description.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Below this many voxels the surface outweighs the inside: at 1000 (a cube of 10) half of them lie on the border, and
+ * the signature follows the grid more than the object. */
+#define FEW_VOXELS 1000
+
+/* The volume's own and one for each kind that a label may add. */
+#define MOST_WARNINGS (4 + 4)
+
+/* ---------------------------------------------------------------------------------------------- labels */
+
+static bool is_in(const eskel_volume *volume, int32_t label)
+{
+	for (size_t i = 0; i < eskel_volume_label_count(volume); i++)
+		if (eskel_volume_label(volume, i) == label)
+			return true;
+	return false;
+}
+
+static bool is_asked(const esk_query *query, int32_t label)
+{
+	for (size_t i = 0; i < query->label_count; i++)
+		if (query->labels[i] == label)
+			return true;
+	return query->label_count == 0;
+}
+
+static bool refuse_label(const eskel_volume *volume, int32_t label, esk_problem *problem)
+{
+	enum { most_named = 24 };
+	char names[most_named * 13] = "";
+	size_t count = eskel_volume_label_count(volume), used = 0;
+	for (size_t i = 0; i < count && i < most_named; i++)
+		used += (size_t)snprintf(names + used, sizeof names - used, "%s%" PRId32, i > 0 ? ", " : "",
+			eskel_volume_label(volume, i));
+	return esk_problem_set(problem, 422, "label %" PRId32 " is not in the volume, which has %s%s", label, names,
+		count > most_named ? " and more" : "");
+}
+
+/* Every label that the query names is there, and label.N words are said only of labels that are asked for. */
+static bool check_labels(const eskel_volume *volume, const esk_query *query, esk_problem *problem)
+{
+	for (size_t i = 0; i < query->label_count; i++)
+		if (!is_in(volume, query->labels[i]))
+			return refuse_label(volume, query->labels[i], problem);
+	for (size_t i = 0; i < query->words_count; i++) {
+		int32_t label = query->words[i].label;
+		if (!is_in(volume, label))
+			return refuse_label(volume, label, problem);
+		if (!is_asked(query, label))
+			return esk_problem_set(problem, 422,
+				"label.%" PRId32 " is described, expected label=%" PRId32 " beside it", label, label);
+	}
+	return true;
+}
+
+/* ---------------------------------------------------------------------------------------------- clouds */
+
+static bool take_cloud(esk_specimen *specimen, const eskel_volume *volume, int32_t label, esk_problem *problem)
+{
+	eskel_error error = {0};
+	eskel_shape *shape = &specimen->shape;
+	eskel_status status = eskel_volume_border(volume, label, &specimen->border);
+	if (status == ESKEL_OK)
+		status = eskel_volume_cloud(volume, label, &specimen->cloud, &error);
+	if (!esk_problem_engine(problem, status, &error))
+		return false;
+	shape->label = label;
+	shape->voxels = specimen->cloud->voxels;
+	shape->volume = eskel_cloud_volume(specimen->cloud);
+	return esk_problem_store(problem, eskel_store_identify(specimen->cloud, shape->id, shape->sha256), NULL);
+}
+
+static bool take_labels(
+	esk_specimens *specimens, const eskel_volume *volume, const esk_query *query, esk_problem *problem)
+{
+	size_t count = eskel_volume_label_count(volume);
+	if (!check_labels(volume, query, problem))
+		return false;
+	specimens->items = calloc(count, sizeof *specimens->items);
+	if (!specimens->items)
+		return esk_problem_no_memory(problem);
+	for (size_t i = 0; i < count; i++) {
+		int32_t label = eskel_volume_label(volume, i);
+		if (!is_asked(query, label))
+			continue;
+		esk_specimen *specimen = &specimens->items[specimens->count++];
+		specimen->shape.description.age = NAN;
+		if (!take_cloud(specimen, volume, label, problem))
+			return false;
+		if (!esk_description_of_label(query, label, &specimen->shape.description))
+			return esk_problem_no_memory(problem);
+	}
+	return true;
+}
+
+bool esk_specimens_take(eskel_exchange *exchange, const esk_query *said, esk_specimens *specimens)
+{
+	eskel_error error = {0};
+	eskel_status status = eskel_volume_finish(exchange->volume, &error);
+	if (!esk_problem_engine(&exchange->problem, status, &error))
+		return false;
+	const eskel_volume_info *info = eskel_volume_get_info(exchange->volume);
+	specimens->warning_count = info->warning_count;
+	memcpy(specimens->warnings, info->warnings, sizeof specimens->warnings);
+	if (!take_labels(specimens, exchange->volume, said, &exchange->problem))
+		return false;
+	eskel_volume_free(exchange->volume);
+	exchange->volume = NULL;
+	return true;
+}
+
+void esk_specimens_clear(esk_specimens *specimens)
+{
+	for (size_t i = 0; i < specimens->count; i++) {
+		esk_specimen *specimen = &specimens->items[i];
+		eskel_cloud_free(specimen->cloud);
+		eskel_skeleton_free(specimen->skeleton);
+		eskel_signature_free(specimen->signature);
+		eskel_shape_clear(&specimen->shape);
+	}
+	free(specimens->items);
+	*specimens = (esk_specimens){0};
+}
+
+/* ---------------------------------------------------------------------------------------------- analysis */
+
+static void warn(eskel_shape *shape, eskel_warning_code code, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+
+static void warn(eskel_shape *shape, eskel_warning_code code, const char *format, ...)
+{
+	eskel_warning *warning = &shape->warnings[shape->warning_count++];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(warning->text, sizeof warning->text, format, arguments);
+	va_end(arguments);
+	warning->code = code;
+}
+
+static void warn_of_border(eskel_shape *shape, unsigned border)
+{
+	static const char *const sides[] = {
+		"first low", "first high", "second low", "second high", "third low", "third high"};
+	char text[100] = "";
+	for (unsigned side = 0, used = 0; side < 6; side++)
+		if (border >> side & 1)
+			used += (unsigned)snprintf(
+				text + used, sizeof text - used, "%s%s", used ? ", " : "", sides[side]);
+	if (border)
+		warn(shape, ESKEL_WARNING_TOUCHES_BORDER,
+			"the object touches the border of the grid (%s index): it may be cut off", text);
+}
+
+static bool find_warnings(esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels)
+{
+	eskel_shape *shape = &specimen->shape;
+	const eskel_node *whole = eskel_skeleton_node(specimen->skeleton, 1, 0);
+	shape->warnings = calloc(MOST_WARNINGS, sizeof *shape->warnings);
+	if (!shape->warnings)
+		return false;
+	for (size_t i = 0; i < specimens->warning_count; i++)
+		shape->warnings[shape->warning_count++] = specimens->warnings[i];
+	warn_of_border(shape, specimen->border);
+	if (shape->voxels < FEW_VOXELS)
+		warn(shape, ESKEL_WARNING_FEW_VOXELS,
+			"the object has %" PRIu64 " voxels, fewer than %d: the signature follows the grid",
+			shape->voxels, FEW_VOXELS);
+	/* An oblique plane has eigenvalues of rounding errors in place of 0. */
+	if (whole->eigenvalues[2] <= 1e-12 * whole->eigenvalues[0])
+		warn(shape, ESKEL_WARNING_FLAT, "the object is flat: its smallest eigenvalue is 0, so it is no solid");
+	if (shape->levels < levels)
+		warn(shape, ESKEL_WARNING_FEWER_LEVELS, "the object has %" PRIu32 " levels, %" PRIu32 " were asked for",
+			shape->levels, levels);
+	return true;
+}
+
+bool esk_specimen_analyse(esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels, esk_problem *problem)
+{
+	eskel_error error = {0};
+	const eskel_skeleton_options options = {.levels = levels};
+	eskel_status status = eskel_skeleton_new(specimen->cloud, &options, &specimen->skeleton, &error);
+	if (status == ESKEL_OK)
+		status = eskel_signature_new(specimen->skeleton, &specimen->signature);
+	if (!esk_problem_engine(problem, status, &error))
+		return false;
+	specimen->shape.levels = specimen->skeleton->level_count;
+	memcpy(specimen->shape.centre, eskel_skeleton_node(specimen->skeleton, 1, 0)->centre,
+		sizeof specimen->shape.centre);
+	return find_warnings(specimen, specimens, levels) || esk_problem_no_memory(problem);
+}

@@ -1,0 +1,32 @@
+/* The labels of a posted volume, each on its way from voxels to a shape. */
+#ifndef ESK_SPECIMEN_H
+#define ESK_SPECIMEN_H
+
+#include "exchange.h"
+
+/* One label: as a shape that is not stored (shape.created is "", its key 0), with what the shape is made of. */
+typedef struct {
+	eskel_cloud *cloud;
+	unsigned border;          /* sides of the grid that it touches (eskel_volume_border) */
+	eskel_skeleton *skeleton; /* NULL until esk_specimen_analyse */
+	eskel_signature *signature;
+	eskel_shape shape;
+} esk_specimen;
+
+typedef struct {
+	size_t count;
+	esk_specimen *items;
+	size_t warning_count; /* of the volume, which every label shares */
+	eskel_warning warnings[4];
+} esk_specimens;
+
+/* Finishes the exchange's volume and takes the labels that are asked for (all without a label parameter), ascending, with
+ * their ids and with what is said of them; the volume is freed. said is the exchange's query or a part of it. */
+bool esk_specimens_take(eskel_exchange *exchange, const esk_query *said, esk_specimens *specimens);
+void esk_specimens_clear(esk_specimens *specimens);
+
+/* Computes the skeleton of the levels asked for, the signature and the warnings of one. */
+bool esk_specimen_analyse(
+	esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels, esk_problem *problem);
+
+#endif
