@@ -1,0 +1,29 @@
+/* Skeletons brought to one size and pose, so that their classes can be compared by place (section 2.2). */
+#ifndef ESK_NATURAL_FRAME_H
+#define ESK_NATURAL_FRAME_H
+
+#include "eskel.h"
+
+/* Every class is an ellipsoid, and that is nine coordinates: the centre x, y, z and the square root of the covariance,
+ * xx, yy, zz, and sqrt(2) times yz, zx, xy. The Euclidean distance of two such points,
+ *     sqrt(|g - g'|^2 + |sqrt(M) - sqrt(M')|^2) with the Frobenius norm,
+ * is the 2-Wasserstein distance of the ellipsoids, how far (root mean square) matter has to go to make one of the other,
+ * if their axes are parallel, and somewhat more if not. */
+enum { ESK_PLACED_COORDINATES = 9, ESK_PLACED_CLASSES_MAX = 16 };
+
+/* One level of a shape of volume 1 whose centre is the origin. Stored by coordinate, so that loops over all columns,
+ * used or not, become vector code; unused columns are 0. */
+typedef struct {
+	uint32_t count;
+	double at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX];
+	double share[ESK_PLACED_CLASSES_MAX]; /* of the whole weight; sums to 1 */
+} esk_placed_level;
+
+/* Places a level, 1 to ESK_PLACED_CLASSES_MAX, in the axes of level 1, right-handed: one of the natural frames. The others
+ * differ from it by a signed permutation of the axes. */
+void esk_natural_frame_place(const eskel_skeleton *skeleton, uint32_t level, esk_placed_level *placed);
+
+/* Moves by an orthogonal matrix. */
+void esk_placed_move(const double orthogonal[3][3], esk_placed_level *placed);
+
+#endif
