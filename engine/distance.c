@@ -36,15 +36,15 @@ eskel_status esk_query_init(esk_query *query, esk_shape shape, const eskel_dista
 	};
 	if (made.summed)
 		made.deepest = ESK_SUMMED_LEVELS;
-	const uint32_t levels = esk_shape_level_count(shape);
-	if (made.signature == ESKEL_SIGNATURE_PAPER) {
-		made.lengths = esk_memory_array(ESKEL_NODES(levels), ESK_PAPER_NUMBERS * sizeof(float));
-		if (!made.lengths)
-			return ESKEL_NO_MEMORY;
-	}
-	for (uint32_t k = 1; k <= levels; k++) {
-		float *scratch = made.lengths ? made.lengths + ESK_PAPER_NUMBERS * ESKEL_NODES(k - 1) : NULL;
-		made.rows[k - 1] = esk_query_rows(&made, shape, k, scratch);
+	const uint32_t numbers = esk_numbers(made.signature), levels = esk_shape_level_count(shape);
+	made.owned = esk_memory_array(2 * ESKEL_NODES(levels), numbers * sizeof(float));
+	if (!made.owned)
+		return ESKEL_NO_MEMORY;
+	float *rows = made.owned, *sorted = rows + ESKEL_NODES(levels) * numbers;
+	for (uint32_t k = 1; k <= levels; k++, rows += numbers * (k - 1), sorted += numbers * (k - 1)) {
+		made.sorted[k - 1] = esk_query_sorted(&made, shape, k, sorted);
+		esk_shape_unsort(shape, k, made.sorted[k - 1], numbers, rows);
+		made.rows[k - 1] = rows;
 	}
 	*query = made;
 	return ESKEL_OK;
@@ -52,8 +52,8 @@ eskel_status esk_query_init(esk_query *query, esk_shape shape, const eskel_dista
 
 void esk_query_clear(esk_query *query)
 {
-	free(query->lengths);
-	query->lengths = NULL;
+	free(query->owned);
+	query->owned = NULL;
 }
 
 uint32_t esk_query_depth(const esk_query *query, esk_shape other)
@@ -73,9 +73,9 @@ double esk_query_size_term(const esk_query *query, esk_shape other)
 	return size_weight * (double)fabsf(esk_shape_log_volume(query->shape) - esk_shape_log_volume(other));
 }
 
-const float *esk_query_rows(const esk_query *query, esk_shape other, uint32_t level, float *scratch)
+const float *esk_query_sorted(const esk_query *query, esk_shape other, uint32_t level, float *scratch)
 {
-	const float *features = esk_shape_features(other, level);
+	const float *features = esk_shape_sorted(other, level);
 	if (query->signature == ESKEL_SIGNATURE_LOG)
 		return features;
 	float unit = query->size_counts ? esk_shape_scale(other) : 1;
@@ -113,25 +113,29 @@ static bool comes_first(const float *a, const float *b, uint32_t count)
 	return true;
 }
 
-/* The least cost, with the costs and the columns of rows that give it; whether rows are classes of b. */
-static double solve_level(const esk_query *query, uint32_t k, const float *a, const float *b, float *costs,
-	uint32_t *column_of_row, bool *swapped)
+/* The least cost of a level, with the costs and the columns of rows that give it, and whether rows are classes of the
+ * other shape. */
+static double solve_level(
+	const esk_query *query, esk_shape other, uint32_t level, float *costs, uint32_t *column_of_row, bool *swapped)
 {
-	*swapped = !comes_first(a, b, esk_numbers(query->signature) * k);
+	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX];
+	const float *mine = query->rows[level - 1];
+	const uint32_t numbers = esk_numbers(query->signature);
+	esk_shape_unsort(other, level, esk_query_sorted(query, other, level, scratch), numbers, theirs);
+	*swapped = !comes_first(mine, theirs, numbers * level);
 	if (*swapped)
-		class_costs(query, k, b, a, costs);
+		class_costs(query, level, theirs, mine, costs);
 	else
-		class_costs(query, k, a, b, costs);
-	return esk_assignment_solve(k, costs, column_of_row);
+		class_costs(query, level, mine, theirs, costs);
+	return esk_assignment_solve(level, costs, column_of_row);
 }
 
 double esk_query_level(const esk_query *query, esk_shape other, uint32_t level)
 {
-	float scratch[ESK_LEVEL_FLOATS_MAX], costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	float costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
 	bool swapped;
-	const float *theirs = esk_query_rows(query, other, level, scratch);
-	double cost = solve_level(query, level, query->rows[level - 1], theirs, costs, column_of_row, &swapped);
+	double cost = solve_level(query, other, level, costs, column_of_row, &swapped);
 	return query->signature == ESKEL_SIGNATURE_LOG ? cost / level : cost;
 }
 
@@ -216,12 +220,11 @@ eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *
 	eskel_status status = pair_init(&p, a, b, options);
 	if (status != ESKEL_OK)
 		return status;
-	float scratch[ESK_LEVEL_FLOATS_MAX], costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	float costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
 	bool swapped;
-	const float *theirs = esk_query_rows(&p.query, p.other, level, scratch);
 	match->level = level;
-	match->cost = solve_level(&p.query, level, p.query.rows[level - 1], theirs, costs, column_of_row, &swapped);
+	match->cost = solve_level(&p.query, p.other, level, costs, column_of_row, &swapped);
 	for (uint32_t row = 0; row < level; row++) {
 		uint32_t column = column_of_row[row], mine = swapped ? column : row;
 		match->other[mine] = swapped ? row : column;

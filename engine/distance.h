@@ -10,9 +10,10 @@ typedef struct {
 	esk_shape shape;
 	eskel_signature_kind signature;
 	bool euclidean, size_counts, summed;
-	uint32_t deepest;                    /* no level above this counts in the distance */
-	const float *rows[ESKEL_LEVELS_MAX]; /* the numbers of level k, at k - 1: esk_numbers(signature) rows of k */
-	float *lengths;                      /* owned; what rows point into for the paper's signature */
+	uint32_t deepest;                      /* no level above this counts in the distance */
+	const float *rows[ESKEL_LEVELS_MAX];   /* level k at k - 1: esk_numbers(signature) rows of k, by class */
+	const float *sorted[ESKEL_LEVELS_MAX]; /* the same, each row ascending */
+	float *owned;
 } esk_query;
 
 /* ESKEL_INVALID when an option is outside its range; NULL means all defaults. The shape's columns must outlive it. */
@@ -23,8 +24,9 @@ void esk_query_clear(esk_query *query);
 uint32_t esk_query_depth(const esk_query *query, esk_shape other);
 /* What the difference in size adds to a distance: zero or more. */
 double esk_query_size_term(const esk_query *query, esk_shape other);
-/* The numbers of another shape as the query's rows: into scratch[ESK_LEVEL_FLOATS_MAX], or where they are. */
-const float *esk_query_rows(const esk_query *query, esk_shape other, uint32_t level, float *scratch);
+/* The numbers of another shape, each row ascending, in the query's units: where they are or in
+ * scratch[ESK_LEVEL_FLOATS_MAX]. */
+const float *esk_query_sorted(const esk_query *query, esk_shape other, uint32_t level, float *scratch);
 /* D_k at a level that both have. */
 double esk_query_level(const esk_query *query, esk_shape other, uint32_t level);
 /* The distance from D_1..D_depth, of which only the last is used unless levels are summed. */

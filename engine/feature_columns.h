@@ -24,19 +24,22 @@ static inline uint32_t esk_numbers(eskel_signature_kind kind)
 	return kind == ESKEL_SIGNATURE_PAPER ? ESK_PAPER_NUMBERS : ESKEL_SIGNATURE_NUMBERS;
 }
 
-/* Level k of a slot is a block of 5 rows of k floats, one row a number, so that costs vectorise over classes.
+/* A level's block of a slot is 5 rows of k floats, one row a number, each row ascending; rank (c, i) says which of row c
+ * belongs to class i. Sorted rows are what lower bounds need (bound.h), and they are the greater part of the work;
+ * matching puts the classes together again.
  *
- * Means serve lower bounds (bound.h). They are indexed by eskel_signature_kind; the paper's are those of the size-free
- * lengths. level_means: for each slot and level 1..16 the mean of each number over the level's classes; total_means:
- * for each number a column over slots, the mean of its level means over the slot's levels 1..16. */
+ * Means serve lower bounds too. They are indexed by eskel_signature_kind; the paper's are those of the size-free lengths.
+ * level_means: for each slot and level 1..16 the mean of each number over the level's classes. total_means: for each
+ * number a column over slots, the mean of its level means over the slot's levels 1..16. */
 typedef struct {
 	uint32_t capacity;
 	uint8_t *level_counts;
-	float *log_volumes;              /* ln V */
-	float *scales;                   /* V^(1/3), mm */
-	float *levels[ESKEL_LEVELS_MAX]; /* [capacity][5][k]; NULL until a slot has the level */
-	float *level_means[2];           /* [capacity][16][numbers] */
-	float *total_means[2];           /* [numbers][capacity] */
+	float *log_volumes;               /* ln V */
+	float *scales;                    /* V^(1/3), mm */
+	float *levels[ESKEL_LEVELS_MAX];  /* [capacity][5][k]; NULL until a slot has the level */
+	uint8_t *ranks[ESKEL_LEVELS_MAX]; /* [capacity][5][k], half bytes up to k = 16, then bytes */
+	float *level_means[2];            /* [capacity][16][numbers] */
+	float *total_means[2];            /* [numbers][capacity] */
 } esk_columns;
 
 typedef struct {
@@ -66,11 +69,14 @@ static inline float esk_shape_scale(esk_shape shape)
 	return shape.columns->scales[shape.slot];
 }
 
-/* The 5 rows of k features of a level that the shape has. */
-static inline const float *esk_shape_features(esk_shape shape, uint32_t level)
+/* The 5 sorted rows of k features of a level that the shape has. */
+static inline const float *esk_shape_sorted(esk_shape shape, uint32_t level)
 {
 	return shape.columns->levels[level - 1] + (size_t)shape.slot * ESK_NUMBERS_MAX * level;
 }
+
+/* Puts the first rows of a level, sorted alike, into the order of classes. */
+void esk_shape_unsort(esk_shape shape, uint32_t level, const float *sorted, uint32_t row_count, float *rows);
 
 /* The numbers of levels 1..16, as rows; those of levels that the shape lacks mean nothing. */
 static inline const float *esk_shape_level_means(esk_shape shape, eskel_signature_kind kind)

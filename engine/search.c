@@ -1,1 +1,150 @@
-#include "eskel.h"
+/* A search from the caller's options to the answer; search_pruned.c and search_exact.c do the work in between.
+ *
+ * It sees the library as it was when the search began (snapshot.h). */
+#include "search.h"
+
+#include "library.h"
+#include "memory.h"
+
+#include <stdlib.h>
+
+enum { default_limit = 5 };
+
+/* Whether key is in ascending keys. A library's keys mostly ascend as well, so the search gallops on from where the last
+ * one ended. */
+static bool contains(const int64_t *keys, size_t count, size_t *cursor, int64_t key)
+{
+	size_t low = *cursor, step = 1;
+	if (low >= count || keys[low] > key)
+		low = 0;
+	while (step < count - low && keys[low + step] <= key) {
+		low += step;
+		step *= 2;
+	}
+	size_t high = step < count - low ? low + step : count;
+	while (low < high) {
+		size_t middle = low + (high - low) / 2;
+		if (keys[middle] < key)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	*cursor = low;
+	return low < count && keys[low] == key;
+}
+
+static void choose_slots(const esk_snapshot *snapshot, uint32_t chunk, const eskel_search_options *options,
+	size_t *cursor, uint64_t slots[ESK_CHUNK_WORDS])
+{
+	const int64_t *keys = snapshot->directory->chunks[chunk]->keys;
+	esk_snapshot_visible(snapshot, chunk, slots);
+	if (!options->keys && !options->leave_out)
+		return;
+	for (uint32_t slot = 0; slot < esk_snapshot_slots(snapshot, chunk); slot++) {
+		bool out = options->leave_out && keys[slot] == options->left_out_key;
+		if (options->keys && !out)
+			out = !contains(options->keys, options->key_count, cursor, keys[slot]);
+		if (out)
+			slots[slot / 64] &= ~(UINT64_C(1) << slot % 64);
+	}
+}
+
+static eskel_status choose_participants(esk_search *search, const eskel_search_options *options)
+{
+	const uint32_t chunks = search->snapshot.directory->chunk_count;
+	size_t cursor = 0;
+	search->participants = esk_memory_array(chunks, sizeof *search->participants);
+	if (!search->participants)
+		return ESKEL_NO_MEMORY;
+	for (uint32_t c = 0; c < chunks; c++) {
+		choose_slots(&search->snapshot, c, options, &cursor, search->participants[c]);
+		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
+			search->participant_count += (size_t)__builtin_popcountll(search->participants[c][word]);
+	}
+	return ESKEL_OK;
+}
+
+void esk_search_answer(esk_search *search, uint32_t id, double distance)
+{
+	esk_nearest_offer(&search->answer, (esk_ranked){distance, esk_snapshot_key(&search->snapshot, id), id});
+}
+
+/* The answer in order, each with its D_k. */
+static eskel_status write_neighbours(esk_search *search)
+{
+	eskel_search_result *result = search->result;
+	esk_nearest *answer = &search->answer;
+	result->neighbours = esk_memory_zeroed_array(answer->count, sizeof *result->neighbours);
+	if (!result->neighbours)
+		return ESKEL_NO_MEMORY;
+	esk_ranked_sort(answer->items, answer->count);
+	result->count = answer->count;
+	for (size_t n = 0; n < answer->count; n++) {
+		const esk_shape shape = esk_snapshot_shape(&search->snapshot, answer->items[n].id);
+		eskel_neighbour *neighbour = &result->neighbours[n];
+		neighbour->key = answer->items[n].key;
+		neighbour->distance = esk_query_distance(&search->query, shape, neighbour->levels);
+		neighbour->level_count = esk_query_depth(&search->query, shape);
+	}
+	return ESKEL_OK;
+}
+
+static eskel_status run(esk_search *search, const eskel_signature *signature, const eskel_search_options *options)
+{
+	eskel_status status = esk_columns_new(1, &search->columns);
+	if (status == ESKEL_OK)
+		status = esk_columns_put(search->columns, 0, signature);
+	if (status == ESKEL_OK)
+		status = esk_query_init(&search->query, (esk_shape){search->columns, 0}, &options->distance);
+	if (status == ESKEL_OK)
+		status = choose_participants(search, options);
+	if (status != ESKEL_OK)
+		return status;
+	size_t limit = options->limit ? options->limit : default_limit;
+	if (limit > search->participant_count)
+		limit = search->participant_count;
+	search->result->library = search->participant_count;
+	if (limit == 0) {
+		search->result->proven = true;
+		return ESKEL_OK;
+	}
+	if (!esk_nearest_init(&search->answer, limit))
+		return ESKEL_NO_MEMORY;
+	if (options->mode == ESKEL_SEARCH_EXACT)
+		status = esk_search_exact(search);
+	else
+		status = esk_search_pruned(search);
+	return status == ESKEL_OK ? write_neighbours(search) : status;
+}
+
+eskel_status eskel_library_search(const eskel_library *library, const eskel_signature *query,
+	const eskel_search_options *options, eskel_search_result **result)
+{
+	const eskel_search_options chosen = options ? *options : (eskel_search_options){0};
+	if ((unsigned)chosen.mode > ESKEL_SEARCH_EXACT)
+		return ESKEL_INVALID;
+	eskel_search_result *made = esk_memory_zeroed_array(1, sizeof *made);
+	if (!made)
+		return ESKEL_NO_MEMORY;
+	esk_search search = {.snapshot = esk_library_snapshot(library), .result = made};
+	eskel_status status = run(&search, query, &chosen);
+	esk_nearest_clear(&search.answer);
+	free(search.participants);
+	esk_query_clear(&search.query);
+	esk_columns_free(search.columns);
+	esk_directory_release(search.snapshot.directory);
+	if (status != ESKEL_OK) {
+		eskel_search_result_free(made);
+		return status;
+	}
+	*result = made;
+	return ESKEL_OK;
+}
+
+void eskel_search_result_free(eskel_search_result *result)
+{
+	if (!result)
+		return;
+	free(result->neighbours);
+	free(result);
+}

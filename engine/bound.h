@@ -1,0 +1,34 @@
+/* Lower bounds of a distance, from cheap to tight: never above what esk_query_distance returns.
+ *
+ * A level's least matching costs no less than a matching that is free to choose another bijection for each number, and
+ * on one number the best bijection joins sorted values. Per class it costs no less than the difference of the
+ * means over classes, and over levels the mean of such differences is no less than the difference of their means.
+ * For the Euclidean metric the same holds with the Euclidean norm over numbers in place of the sum:
+ * sum_i ||d_i|| >= ||sum_i |d_i||| (triangle inequality). */
+#ifndef ESK_BOUND_H
+#define ESK_BOUND_H
+
+#include "distance.h"
+
+typedef struct {
+	const esk_query *query;
+	/* For levels 1..16: the means of the numbers over the classes of level k, and over levels 1..k, at k - 1. */
+	float level_means[ESK_SUMMED_LEVELS][ESK_NUMBERS_MAX], total_means[ESK_SUMMED_LEVELS][ESK_NUMBERS_MAX];
+	/* Sums of absolute numbers: of level_means, of total_means, of the mean class of any level. */
+	double level_magnitudes[ESK_SUMMED_LEVELS], total_magnitudes[ESK_SUMMED_LEVELS];
+	double magnitudes[ESKEL_LEVELS_MAX];
+} esk_bound;
+
+void esk_bound_init(esk_bound *bound, const esk_query *query);
+
+/* By the means over all levels for the first count slots, into bounds[count]: a scan of few columns. When levels are not
+ * summed, by the means of the level. */
+void esk_bound_scan(const esk_bound *bound, const esk_columns *columns, uint32_t count, float *bounds);
+/* By the means of each level that counts. */
+double esk_bound_by_means(const esk_bound *bound, esk_shape other);
+/* By sorted numbers; levels[k - 1] receives the bound of D_k for each level that counts. */
+double esk_bound_by_sorting(const esk_bound *bound, esk_shape other, double *levels);
+/* From a D_k or a lower bound of it for each level that counts. */
+double esk_bound_of_levels(const esk_query *query, esk_shape other, const double *levels);
+
+#endif

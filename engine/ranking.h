@@ -1,0 +1,39 @@
+/* Candidates ordered by distance, then key: so that every order in a search is total and ties never depend on where
+ * shapes happen to lie. */
+#ifndef ESK_RANKING_H
+#define ESK_RANKING_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct {
+	double distance;
+	int64_t key;
+	uint32_t id; /* in the snapshot */
+} esk_ranked;
+
+static inline bool esk_ranked_before(const esk_ranked *a, const esk_ranked *b)
+{
+	return a->distance < b->distance || (a->distance == b->distance && a->key < b->key);
+}
+
+/* Puts the first count of all in front, in any order. O(n) on average. */
+void esk_ranked_select(esk_ranked *all, size_t n, size_t count);
+void esk_ranked_sort(esk_ranked *all, size_t n);
+
+/* The nearest of all candidates offered so far: a heap with the farthest of them on top. */
+typedef struct {
+	esk_ranked *items;
+	size_t count, wanted;
+} esk_nearest;
+
+/* wanted is at least 1; false when memory ran out. */
+bool esk_nearest_init(esk_nearest *nearest, size_t wanted);
+void esk_nearest_clear(esk_nearest *nearest);
+void esk_nearest_offer(esk_nearest *nearest, esk_ranked candidate);
+
+/* Nothing farther than this can still be taken; infinite until all wanted are there. */
+double esk_nearest_threshold(const esk_nearest *nearest);
+
+#endif

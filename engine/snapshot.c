@@ -1,0 +1,75 @@
+#include "snapshot.h"
+
+#include "memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void esk_chunk_free(esk_chunk *chunk)
+{
+	if (!chunk)
+		return;
+	esk_columns_free(chunk->columns);
+	free(chunk);
+}
+
+eskel_status esk_chunk_new(uint32_t capacity, esk_chunk **chunk)
+{
+	esk_chunk *made = esk_memory_zeroed_array(1, sizeof *made);
+	if (!made)
+		return ESKEL_NO_MEMORY;
+	eskel_status status = esk_columns_new(capacity, &made->columns);
+	if (status != ESKEL_OK) {
+		free(made);
+		return status;
+	}
+	made->capacity = capacity;
+	for (uint32_t slot = 0; slot < ESK_CHUNK_SLOTS; slot++)
+		atomic_init(&made->removed_at[slot], ESK_NEVER);
+	*chunk = made;
+	return ESKEL_OK;
+}
+
+eskel_status esk_directory_new(uint32_t chunk_count, esk_directory **directory)
+{
+	esk_directory *made = esk_memory_zeroed_array(1, sizeof *made + chunk_count * sizeof(esk_chunk *));
+	if (!made)
+		return ESKEL_NO_MEMORY;
+	atomic_init(&made->references, 1);
+	made->chunk_count = chunk_count;
+	*directory = made;
+	return ESKEL_OK;
+}
+
+void esk_directory_set(esk_directory *directory, uint32_t index, esk_chunk *chunk)
+{
+	atomic_fetch_add_explicit(&chunk->references, 1, memory_order_relaxed);
+	directory->chunks[index] = chunk;
+}
+
+void esk_directory_release(esk_directory *directory)
+{
+	if (!directory || atomic_fetch_sub_explicit(&directory->references, 1, memory_order_acq_rel) > 1)
+		return;
+	for (uint32_t c = 0; c < directory->chunk_count; c++) {
+		esk_chunk *chunk = directory->chunks[c];
+		if (chunk && atomic_fetch_sub_explicit(&chunk->references, 1, memory_order_acq_rel) == 1)
+			esk_chunk_free(chunk);
+	}
+	free(directory);
+}
+
+/* Stamps are read while the writer may set them. Relaxed is enough: a stamp set before the snapshot was taken is seen,
+ * because both happened under the library's gate, and one set later is later than its moment, seen or not. */
+void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk_index, uint64_t slots[ESK_CHUNK_WORDS])
+{
+	esk_chunk *chunk = snapshot->directory->chunks[chunk_index];
+	const uint32_t count = esk_snapshot_slots(snapshot, chunk_index);
+	const bool any_removed = atomic_load_explicit(&chunk->removed_count, memory_order_relaxed) > 0;
+	memset(slots, 0, ESK_CHUNK_WORDS * sizeof *slots);
+	for (uint32_t word = 0; word * 64 < count; word++)
+		slots[word] = count - word * 64 >= 64 ? UINT64_MAX : (UINT64_C(1) << (count - word * 64)) - 1;
+	for (uint32_t slot = 0; any_removed && slot < count; slot++)
+		if (atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) <= snapshot->moment)
+			slots[slot / 64] &= ~(UINT64_C(1) << slot % 64);
+}
