@@ -15,7 +15,7 @@ static bool copy(const char *text, char **copied)
 	return *copied;
 }
 
-static bool copy_attributes(const esk_query *query, eskel_description *description)
+static bool copy_attributes(const esk_parameters *query, eskel_description *description)
 {
 	if (query->attribute_count == 0)
 		return true;
@@ -30,9 +30,9 @@ static bool copy_attributes(const esk_query *query, eskel_description *descripti
 	return true;
 }
 
-bool esk_description_of_label(const esk_query *query, int32_t label, eskel_description *description)
+bool esk_description_of_label(const esk_parameters *query, int32_t label, eskel_description *description)
 {
-	const esk_label_words none = {.label = label}, *found = esk_query_words(query, label);
+	const esk_label_words none = {.label = label}, *found = esk_parameters_words(query, label);
 	const esk_label_words *words = found ? found : &none;
 	const char *name = words->name ? words->name : query->name;
 	char class_of_name[ESK_TEXT_MOST + 1] = "";

@@ -13,8 +13,8 @@
 
 bool esk_distances_check(eskel_exchange *exchange)
 {
-	const esk_query *query = &exchange->query;
-	const eskel_filter filter = esk_query_filter(query);
+	const esk_parameters *query = &exchange->query;
+	const eskel_filter filter = esk_parameters_filter(query);
 	if (query->id_count > 0 && !eskel_filter_is_none(&filter))
 		return esk_problem_set(&exchange->problem, 400, "id is given beside a filter, expected one of the two");
 	if (query->level && query->distance != ESKEL_DISTANCE_LEVEL)
@@ -35,7 +35,7 @@ static bool check_count(eskel_exchange *exchange, uint64_t count, const char *mo
 
 static bool read_named(eskel_exchange *exchange, esk_matrix *matrix)
 {
-	const esk_query *query = &exchange->query;
+	const esk_parameters *query = &exchange->query;
 	if (!check_count(exchange, query->id_count, ""))
 		return false;
 	matrix->shapes = calloc(query->id_count, sizeof *matrix->shapes);
@@ -58,7 +58,7 @@ static size_t most_shapes(const eskel_exchange *exchange)
 
 static bool read_filtered(eskel_exchange *exchange, esk_matrix *matrix)
 {
-	const eskel_filter filter = esk_query_filter(&exchange->query);
+	const eskel_filter filter = esk_parameters_filter(&exchange->query);
 	eskel_store_error error = {0};
 	bool more = false;
 	eskel_store_status status = eskel_store_list(exchange->api->store, &filter, 0, most_shapes(exchange),
@@ -77,7 +77,7 @@ static void clear(esk_matrix *matrix)
 
 static bool compute(eskel_exchange *exchange, esk_matrix *matrix, eskel_status *status)
 {
-	const eskel_distance_options options = esk_query_distance(&exchange->query);
+	const eskel_distance_options options = esk_parameters_distance(&exchange->query);
 	size_t count = matrix->count;
 	int64_t *keys = calloc(count + 1, sizeof *keys);
 	matrix->distances = calloc(count * count + 1, sizeof *matrix->distances);

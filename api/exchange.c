@@ -104,8 +104,8 @@ static bool find_route(eskel_exchange *exchange, const eskel_request *request, c
 	char allow[ESK_ALLOW_SIZE];
 	exchange->route = esk_route_of_path(request->path, segment);
 	if (!exchange->route)
-		return esk_problem_set(&exchange->problem, 404, "there is nothing at \"%.200s\", see /openapi.json",
-			request->path);
+		return esk_problem_set(
+			&exchange->problem, 404, "there is nothing at \"%.200s\", see /openapi.json", request->path);
 	const esk_route *route = esk_route_of_method(exchange->route, method);
 	if (route) {
 		exchange->route = route;
@@ -130,8 +130,9 @@ static bool check_role(eskel_exchange *exchange)
 		return esk_problem_set(&exchange->problem, 403, "the token has the role %s, %s %s needs %s",
 			roles[exchange->role], exchange->route->method, exchange->route->path, roles[needed]);
 	return esk_exchange_add_header(exchange, "WWW-Authenticate", "Bearer") &&
-	       esk_problem_set(&exchange->problem, 401, "%s %s needs a token of the role %s: Authorization: Bearer TOKEN",
-		       exchange->route->method, exchange->route->path, roles[needed]);
+	       esk_problem_set(&exchange->problem, 401,
+		       "%s %s needs a token of the role %s: Authorization: Bearer TOKEN", exchange->route->method,
+		       exchange->route->path, roles[needed]);
 }
 
 static bool content_type_is(const char *type, const char *wanted)
@@ -152,15 +153,17 @@ static bool check_content_type(eskel_exchange *exchange)
 		return true;
 	if (type && content_type_is(type, "multipart/form-data"))
 		return esk_problem_set(&exchange->problem, 415,
-			"the body is multipart/form-data, expected the file itself: curl --data-binary @FILE or curl -T FILE");
+			"the body is multipart/form-data, expected the file itself: curl --data-binary @FILE or curl "
+			"-T FILE");
 	if (foreign && (!type || content_type_is(type, "application/x-www-form-urlencoded") ||
 			       content_type_is(type, "text/plain")))
 		return esk_problem_set(&exchange->problem, 415,
 			"Content-Type is \"%.60s\" in a request from another site, expected one that is not a form's: "
 			"application/octet-stream or application/json",
 			type ? type : "");
-	if (exchange->route->body == ESK_BODY_VOLUME || !type || content_type_is(type, "application/merge-patch+json") ||
-		content_type_is(type, "application/json") || content_type_is(type, "application/x-www-form-urlencoded"))
+	if (exchange->route->body == ESK_BODY_VOLUME || !type ||
+		content_type_is(type, "application/merge-patch+json") || content_type_is(type, "application/json") ||
+		content_type_is(type, "application/x-www-form-urlencoded"))
 		return true;
 	return esk_exchange_add_header(exchange, "Accept-Patch", "application/merge-patch+json, application/json") &&
 	       esk_problem_set(&exchange->problem, 415,
@@ -175,8 +178,9 @@ static bool take_id(eskel_exchange *exchange, const char *segment)
 	size_t size = strcspn(segment, "/");
 	snprintf(id, sizeof id, "%.*s", size < sizeof id ? (int)size : 0, segment);
 	if (!esk_value_is_id(id))
-		return esk_problem_set(&exchange->problem, 404, "\"%.*s\" is no id, expected 32 lower-case hexadecimal digits",
-			(int)(size < 80 ? size : 80), segment);
+		return esk_problem_set(&exchange->problem, 404,
+			"\"%.*s\" is no id, expected 32 lower-case hexadecimal digits", (int)(size < 80 ? size : 80),
+			segment);
 	exchange->id = strdup(id);
 	return exchange->id || esk_problem_no_memory(&exchange->problem);
 }
@@ -192,8 +196,8 @@ static bool check_size(eskel_exchange *exchange, const char *at_least, uint64_t 
 	uint64_t most = most_body_bytes(exchange);
 	if (size <= most)
 		return true;
-	return esk_problem_set(&exchange->problem, 413,
-		"the body has %s%" PRIu64 " bytes, expected at most %" PRIu64, at_least, size, most);
+	return esk_problem_set(&exchange->problem, 413, "the body has %s%" PRIu64 " bytes, expected at most %" PRIu64,
+		at_least, size, most);
 }
 
 static bool open_body(eskel_exchange *exchange)
@@ -212,10 +216,11 @@ static bool admit(eskel_exchange *exchange, const eskel_request *request)
 	if (!find_route(exchange, request, &segment) || exchange->settled)
 		return exchange->settled;
 	return check_role(exchange) && check_content_type(exchange) && take_id(exchange, segment) &&
-	       esk_query_parse(&exchange->query, exchange->route->query, exchange->query_fields, exchange->query_count,
-		       &exchange->problem) &&
+	       esk_parameters_parse(&exchange->query, exchange->route->query, exchange->query_fields,
+		       exchange->query_count, &exchange->problem) &&
 	       (!exchange->route->check || exchange->route->check(exchange)) &&
-	       check_size(exchange, "", request->body_size > 0 ? (uint64_t)request->body_size : 0) && open_body(exchange);
+	       check_size(exchange, "", request->body_size > 0 ? (uint64_t)request->body_size : 0) &&
+	       open_body(exchange);
 }
 
 eskel_exchange *eskel_api_begin(eskel_api *api, const eskel_request *request)
@@ -241,7 +246,7 @@ void eskel_exchange_free(eskel_exchange *exchange)
 {
 	if (!exchange)
 		return;
-	esk_query_clear(&exchange->query);
+	esk_parameters_clear(&exchange->query);
 	free_fields(exchange->query_fields, exchange->query_count);
 	free_fields(exchange->headers, exchange->header_count);
 	for (size_t i = 0; i < exchange->response.header_count; i++)

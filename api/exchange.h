@@ -5,7 +5,7 @@
 #include "api.h"
 #include "json.h"
 #include "problem.h"
-#include "query.h"
+#include "parameters.h"
 #include "route.h"
 #include "text.h"
 
@@ -19,8 +19,8 @@ struct eskel_exchange {
 	eskel_field *query_fields, *headers; /* copies */
 	eskel_role role;
 	char *actor;
-	esk_query query;     /* borrows from query_fields */
-	esk_problem problem; /* why a handler or check returned false */
+	esk_parameters query; /* borrows from query_fields */
+	esk_problem problem;  /* why a handler or check returned false */
 
 	uint64_t body_size;   /* received */
 	eskel_volume *volume; /* of ESK_BODY_VOLUME */

@@ -188,8 +188,8 @@ static bool patch_members(eskel_description *description, json_t *patch, esk_pro
 	const char *name;
 	json_t *value;
 	if (!json_is_object(patch))
-		return esk_problem_set(problem, 400, "the body is %s, expected an object of the members to change",
-			type_of(patch));
+		return esk_problem_set(
+			problem, 400, "the body is %s, expected an object of the members to change", type_of(patch));
 	json_object_foreach(patch, name, value)
 	{
 		if (patch_member(description, name, value, problem))

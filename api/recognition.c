@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <time.h>
 
-bool esk_choice_make(eskel_api *api, const esk_query *query, esk_choice *choice, esk_problem *problem)
+bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem)
 {
 	eskel_store_error error = {0};
-	const eskel_filter filter = esk_query_filter(query);
+	const eskel_filter filter = esk_parameters_filter(query);
 	if (eskel_filter_is_none(&filter))
 		return true;
 	eskel_store_status status = eskel_store_keys(api->store, &filter, &choice->keys, &choice->count, &error);
@@ -32,12 +32,12 @@ static double now_in_milliseconds(void)
 	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
-static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, const esk_query *query,
+static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, const esk_parameters *query,
 	esk_recognition *recognition, esk_problem *problem)
 {
 	size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
 	const eskel_search_options options = {
-		.distance = esk_query_distance(query),
+		.distance = esk_parameters_distance(query),
 		.mode = (eskel_search_mode)query->mode,
 		.limit = limit > ESK_VOTERS ? limit : ESK_VOTERS,
 		.keys = choice->keys,
@@ -116,8 +116,8 @@ static void vote(const eskel_description *recorded, esk_recognition *recognition
 	esk_verdict_of_votes(votes, count, recorded, &recognition->verdict);
 }
 
-bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, const esk_query *query,
-	esk_recognition *recognition, esk_problem *problem)
+bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
+	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem)
 {
 	if (!search(api, unknown, choice, query, recognition, problem) ||
 		!gather(api, unknown, query->explain, recognition, problem))

@@ -5,7 +5,7 @@
 #include "api.h"
 #include "json.h"
 #include "problem.h"
-#include "query.h"
+#include "parameters.h"
 #include "verdict.h"
 
 /* What is recognised, borrowed. A stored shape leaves itself out. */
@@ -36,17 +36,18 @@ typedef struct {
 	esk_verdict verdict;
 } esk_recognition;
 
-bool esk_choice_make(eskel_api *api, const esk_query *query, esk_choice *choice, esk_problem *problem);
+bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem);
 void esk_choice_clear(esk_choice *choice);
 
-bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, const esk_query *query,
-	esk_recognition *recognition, esk_problem *problem);
+bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
+	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem);
 void esk_recognition_clear(esk_recognition *recognition);
 
 #define ESK_NEIGHBOURS_DEFAULT 5
 #define ESK_NEIGHBOURS_MOST 100
 
 /* One of the results of an answer; as many neighbours as the query's limit (recognition_json.c). */
-json_t *esk_recognition_json(const esk_unknown *unknown, const esk_recognition *recognition, const esk_query *query);
+json_t *esk_recognition_json(
+	const esk_unknown *unknown, const esk_recognition *recognition, const esk_parameters *query);
 
 #endif

@@ -6,7 +6,7 @@
 /* Classes are explained at a level that a person can still look at. */
 #define EXPLAINED_LEVEL 10
 
-static json_t *search_json(const esk_recognition *recognition, const esk_query *query)
+static json_t *search_json(const esk_recognition *recognition, const esk_parameters *query)
 {
 	const eskel_search_result *search = recognition->search;
 	json_t *kept = json_array();
@@ -75,10 +75,10 @@ static json_t *differences_json(
 }
 
 /* Adds match and differences, at the level asked for or EXPLAINED_LEVEL, or at the deepest that both have. */
-static bool explain(
-	json_t *json, const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_query *query)
+static bool explain(json_t *json, const eskel_signature *query_signature, const esk_neighbour *neighbour,
+	const esk_parameters *query)
 {
-	const eskel_distance_options options = esk_query_distance(query);
+	const eskel_distance_options options = esk_parameters_distance(query);
 	uint32_t level = query->level ? query->level : EXPLAINED_LEVEL;
 	eskel_match match;
 	if (level > query_signature->level_count)
@@ -93,7 +93,7 @@ static bool explain(
 }
 
 static json_t *neighbour_json(
-	const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_query *query)
+	const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_parameters *query)
 {
 	const eskel_neighbour *found = neighbour->found;
 	const eskel_description *said = &neighbour->shape.description;
@@ -109,7 +109,7 @@ static json_t *neighbour_json(
 }
 
 static json_t *neighbours_json(
-	const eskel_signature *query_signature, const esk_recognition *recognition, const esk_query *query)
+	const eskel_signature *query_signature, const esk_recognition *recognition, const esk_parameters *query)
 {
 	size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
 	json_t *array = json_array();
@@ -131,7 +131,8 @@ static json_t *verdict_json(const esk_verdict *verdict)
 		esk_json_real(verdict->side_score), "agrees", agrees);
 }
 
-json_t *esk_recognition_json(const esk_unknown *unknown, const esk_recognition *recognition, const esk_query *query)
+json_t *esk_recognition_json(
+	const esk_unknown *unknown, const esk_recognition *recognition, const esk_parameters *query)
 {
 	return json_pack("{s:o, s:o, s:o, s:o}", "query", esk_shape_json(unknown->shape), "search",
 		search_json(recognition, query), "neighbours", neighbours_json(unknown->signature, recognition, query),

@@ -9,7 +9,7 @@
 
 bool esk_recognize_check(eskel_exchange *exchange)
 {
-	const esk_query *query = &exchange->query;
+	const esk_parameters *query = &exchange->query;
 	if (exchange->route->body == ESK_BODY_NONE && !query->shape)
 		return esk_problem_set(&exchange->problem, 400, "shape is missing, expected " ESK_ID_EXPECTED);
 	if (query->limit > ESK_NEIGHBOURS_MOST)
@@ -71,9 +71,9 @@ bool esk_recognize_shape(eskel_exchange *exchange)
 }
 
 /* class, side and so on choose the shapes to compare with; of the labels the query says only what name and label.N say. */
-static esk_query said_of_labels(const esk_query *query)
+static esk_parameters said_of_labels(const esk_parameters *query)
 {
-	return (esk_query){
+	return (esk_parameters){
 		.name = query->name,
 		.age = NAN,
 		.label_count = query->label_count,
@@ -104,7 +104,7 @@ bool esk_recognize_volume(eskel_exchange *exchange)
 	esk_specimens specimens = {0};
 	esk_choice choice = {0};
 	json_t *results = json_array();
-	const esk_query said = said_of_labels(&exchange->query);
+	const esk_parameters said = said_of_labels(&exchange->query);
 	bool good = esk_specimens_take(exchange, &said, &specimens) &&
 		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
 		    recognize_specimens(exchange, &specimens, &choice, results);

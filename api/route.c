@@ -13,7 +13,8 @@
 
 static const char *const nothing[] = {NULL};
 static const char *const list[] = {FILTER, "limit", "cursor", NULL};
-static const char *const enroll[] = {LABELS, "name", "class", "side", "subject", "age", "sex", "attr.KEY", "levels", NULL};
+static const char *const enroll[] = {
+	LABELS, "name", "class", "side", "subject", "age", "sex", "attr.KEY", "levels", NULL};
 static const char *const signature[] = {"level", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
@@ -28,7 +29,8 @@ static const esk_route routes[] = {
 	{"/openapi.json", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_openapi_get},
 	{"/readyz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_ready},
 	{"/recognize", "GET", READ, ESK_BODY_NONE, true, recognize_shape, esk_recognize_check, esk_recognize_shape},
-	{"/recognize", "POST", READ, ESK_BODY_VOLUME, true, recognize_volume, esk_recognize_check, esk_recognize_volume},
+	{"/recognize", "POST", READ, ESK_BODY_VOLUME, true, recognize_volume, esk_recognize_check,
+		esk_recognize_volume},
 	{"/shapes", "GET", READ, ESK_BODY_NONE, false, list, esk_shapes_check, esk_shapes_list},
 	{"/shapes", "POST", WRITE, ESK_BODY_VOLUME, true, enroll, NULL, esk_enroll},
 	{"/shapes/{id}", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_shape_get},
@@ -56,7 +58,7 @@ static bool path_fits(const char *template, const char *path, const char **segme
 			path += strcspn(path, "/");
 			if (path == found)
 				return false;
-		} else if (*template++ != *path++) {
+		} else if (*template ++ != *path++) {
 			return false;
 		}
 	}

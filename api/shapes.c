@@ -41,8 +41,8 @@ static bool add_link(eskel_exchange *exchange, const char *cursor)
 
 bool esk_shapes_list(eskel_exchange *exchange)
 {
-	const esk_query *query = &exchange->query;
-	const eskel_filter filter = esk_query_filter(query);
+	const esk_parameters *query = &exchange->query;
+	const eskel_filter filter = esk_parameters_filter(query);
 	eskel_store_error error = {0};
 	eskel_shape *shapes = NULL;
 	size_t count = 0;
@@ -53,7 +53,7 @@ bool esk_shapes_list(eskel_exchange *exchange)
 		return false;
 	char cursor[ESK_CURSOR_SIZE];
 	if (more)
-		esk_query_cursor_text(shapes[count - 1].key, cursor);
+		esk_parameters_cursor_text(shapes[count - 1].key, cursor);
 	bool good = (!more || add_link(exchange, cursor)) &&
 		    esk_exchange_answer_json(exchange, 200,
 			    json_pack("{s:o, s:s?}", "shapes", esk_shapes_json(shapes, count), "next",

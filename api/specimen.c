@@ -27,7 +27,7 @@ static bool is_in(const eskel_volume *volume, int32_t label)
 	return false;
 }
 
-static bool is_asked(const esk_query *query, int32_t label)
+static bool is_asked(const esk_parameters *query, int32_t label)
 {
 	for (size_t i = 0; i < query->label_count; i++)
 		if (query->labels[i] == label)
@@ -48,7 +48,7 @@ static bool refuse_label(const eskel_volume *volume, int32_t label, esk_problem 
 }
 
 /* Every label that the query names is there, and label.N words are said only of labels that are asked for. */
-static bool check_labels(const eskel_volume *volume, const esk_query *query, esk_problem *problem)
+static bool check_labels(const eskel_volume *volume, const esk_parameters *query, esk_problem *problem)
 {
 	for (size_t i = 0; i < query->label_count; i++)
 		if (!is_in(volume, query->labels[i]))
@@ -82,7 +82,7 @@ static bool take_cloud(esk_specimen *specimen, const eskel_volume *volume, int32
 }
 
 static bool take_labels(
-	esk_specimens *specimens, const eskel_volume *volume, const esk_query *query, esk_problem *problem)
+	esk_specimens *specimens, const eskel_volume *volume, const esk_parameters *query, esk_problem *problem)
 {
 	size_t count = eskel_volume_label_count(volume);
 	if (!check_labels(volume, query, problem))
@@ -104,7 +104,7 @@ static bool take_labels(
 	return true;
 }
 
-bool esk_specimens_take(eskel_exchange *exchange, const esk_query *said, esk_specimens *specimens)
+bool esk_specimens_take(eskel_exchange *exchange, const esk_parameters *said, esk_specimens *specimens)
 {
 	eskel_error error = {0};
 	eskel_status status = eskel_volume_finish(exchange->volume, &error);

@@ -22,7 +22,7 @@ typedef struct {
 
 /* Finishes the exchange's volume and takes the labels that are asked for (all without a label parameter), ascending, with
  * their ids and with what is said of them; the volume is freed. said is the exchange's query or a part of it. */
-bool esk_specimens_take(eskel_exchange *exchange, const esk_query *said, esk_specimens *specimens);
+bool esk_specimens_take(eskel_exchange *exchange, const esk_parameters *said, esk_specimens *specimens);
 void esk_specimens_clear(esk_specimens *specimens);
 
 /* Computes the skeleton of the levels asked for, the signature and the warnings of one. */

@@ -1,5 +1,5 @@
-/* The query of a URL, see query.h. A parameter is a row of the table below and a function that takes its value. */
-#include "query.h"
+/* The query of a URL, see parameters.h. A parameter is a row of the table below and a function that takes its value. */
+#include "parameters.h"
 
 #include "label_name.h"
 #include "text.h"
@@ -16,13 +16,13 @@ typedef struct {
 	const char *name, *value;
 } argument;
 
-/* target: the member of esk_query that the row names, the query itself if it names none. */
+/* target: the member of esk_parameters that the row names, the query itself if it names none. */
 typedef bool take_argument(void *target, const argument *given, esk_problem *problem);
 
 struct parameter {
 	const char *name;
 	take_argument *take;
-	size_t field;               /* offset in esk_query */
+	size_t field;               /* offset in esk_parameters */
 	int64_t most;               /* of a number */
 	const char *const *choices; /* of a choice, in the order of its enum */
 	bool repeatable;
@@ -72,7 +72,7 @@ static bool take_choice(void *target, const argument *given, esk_problem *proble
 
 static bool take_attribute(void *target, const argument *given, esk_problem *problem)
 {
-	esk_query *query = target;
+	esk_parameters *query = target;
 	const char *key = given->name + strlen("attr.");
 	if (!esk_value_text("an attribute's key", key, ESK_ATTRIBUTE_KEY_MOST, problem) ||
 		!esk_value_text(given->name, given->value, ESK_TEXT_MOST, problem))
@@ -91,7 +91,7 @@ static bool take_attribute(void *target, const argument *given, esk_problem *pro
 
 static bool take_label(void *target, const argument *given, esk_problem *problem)
 {
-	esk_query *query = target;
+	esk_parameters *query = target;
 	bool all = strcmp(given->value, "all") == 0;
 	if (query->all_labels || (all && query->label_count > 0))
 		return esk_problem_set(problem, 400, "label=all means every label, expected no other label beside it");
@@ -112,7 +112,7 @@ static bool take_label(void *target, const argument *given, esk_problem *problem
 	return true;
 }
 
-static esk_label_words *words_of(esk_query *query, int32_t label)
+static esk_label_words *words_of(esk_parameters *query, int32_t label)
 {
 	for (size_t i = 0; i < query->words_count; i++)
 		if (query->words[i].label == label)
@@ -155,7 +155,7 @@ static bool take_shape(void *target, const argument *given, esk_problem *problem
 
 static bool take_ids(void *target, const argument *given, esk_problem *problem)
 {
-	esk_query *query = target;
+	esk_parameters *query = target;
 	query->ids = calloc(strlen(given->value) / ESKEL_ID_SIZE + 1, sizeof *query->ids);
 	if (!query->ids)
 		return esk_problem_no_memory(problem);
@@ -196,7 +196,7 @@ static const char *const sizes[] = {"fixed", "free", NULL};
 static const char *const formats[] = {"json", "csv", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 
-#define FIELD(member) .field = offsetof(esk_query, member)
+#define FIELD(member) .field = offsetof(esk_parameters, member)
 
 /* Where no member is named the whole query is the target. */
 static const struct parameter parameters[] = {
@@ -275,8 +275,8 @@ static int compare_attributes(const void *a, const void *b)
 	return strcmp(((const eskel_attribute *)a)->key, ((const eskel_attribute *)b)->key);
 }
 
-bool esk_query_parse(
-	esk_query *query, const char *const *allowed, const eskel_field *fields, size_t count, esk_problem *problem)
+bool esk_parameters_parse(esk_parameters *query, const char *const *allowed, const eskel_field *fields, size_t count,
+	esk_problem *problem)
 {
 	query->age = query->age_min = query->age_max = NAN;
 	query->format = ESK_FORMAT_UNSAID;
@@ -302,7 +302,7 @@ bool esk_query_parse(
 	return true;
 }
 
-void esk_query_clear(esk_query *query)
+void esk_parameters_clear(esk_parameters *query)
 {
 	for (size_t i = 0; i < query->attribute_count; i++) {
 		free(query->attributes[i].key);
@@ -312,10 +312,10 @@ void esk_query_clear(esk_query *query)
 	free(query->labels);
 	free(query->words);
 	free(query->ids);
-	*query = (esk_query){0};
+	*query = (esk_parameters){0};
 }
 
-eskel_filter esk_query_filter(const esk_query *query)
+eskel_filter esk_parameters_filter(const esk_parameters *query)
 {
 	return (eskel_filter){
 		.class = query->class[0] ? query->class : NULL,
@@ -331,7 +331,7 @@ eskel_filter esk_query_filter(const esk_query *query)
 	};
 }
 
-const esk_label_words *esk_query_words(const esk_query *query, int32_t label)
+const esk_label_words *esk_parameters_words(const esk_parameters *query, int32_t label)
 {
 	for (size_t i = 0; i < query->words_count; i++)
 		if (query->words[i].label == label)
@@ -339,7 +339,7 @@ const esk_label_words *esk_query_words(const esk_query *query, int32_t label)
 	return NULL;
 }
 
-eskel_distance_options esk_query_distance(const esk_query *query)
+eskel_distance_options esk_parameters_distance(const esk_parameters *query)
 {
 	return (eskel_distance_options){
 		.signature = (eskel_signature_kind)query->signature,
@@ -350,7 +350,7 @@ eskel_distance_options esk_query_distance(const esk_query *query)
 	};
 }
 
-void esk_query_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE])
+void esk_parameters_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE])
 {
 	snprintf(text, ESK_CURSOR_SIZE, "k%016" PRIx64, (uint64_t)key);
 }

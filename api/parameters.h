@@ -1,7 +1,7 @@
-/* The query of a URL, parsed once for every route: one table of parameters (query.c) says how each value is taken, a
+/* The query of a URL, parsed once for every route: one table of parameters (parameters.c) says how each value is taken, a
  * route names those that it allows. The parsed struct borrows text from the fields it was parsed from. */
-#ifndef ESK_QUERY_H
-#define ESK_QUERY_H
+#ifndef ESK_PARAMETERS_H
+#define ESK_PARAMETERS_H
 
 #include "eskel_api.h"
 #include "problem.h"
@@ -42,25 +42,25 @@ typedef struct {
 	unsigned mode, signature, distance, metric, size; /* of the enums of eskel.h */
 	unsigned format;                                  /* ESK_FORMAT_... */
 	unsigned explain;
-} esk_query;
+} esk_parameters;
 
 /* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families. A name
  * that is not allowed is refused with those that are, a value out of its range with the range, a second value of a
  * parameter that takes one. The query must be clear (all zero) before; clear it also after a failure. */
-bool esk_query_parse(
-	esk_query *query, const char *const *allowed, const eskel_field *fields, size_t count, esk_problem *problem);
-void esk_query_clear(esk_query *query);
+bool esk_parameters_parse(esk_parameters *query, const char *const *allowed, const eskel_field *fields, size_t count,
+	esk_problem *problem);
+void esk_parameters_clear(esk_parameters *query);
 
 /* The conditions on shapes, borrowed from the query. */
-eskel_filter esk_query_filter(const esk_query *query);
+eskel_filter esk_parameters_filter(const esk_parameters *query);
 
 /* What is said of one label of a volume, NULL if nothing. */
-const esk_label_words *esk_query_words(const esk_query *query, int32_t label);
+const esk_label_words *esk_parameters_words(const esk_parameters *query, int32_t label);
 
-eskel_distance_options esk_query_distance(const esk_query *query);
+eskel_distance_options esk_parameters_distance(const esk_parameters *query);
 
 /* The opaque text of a cursor, for the parameter of that name. */
 #define ESK_CURSOR_SIZE 18
-void esk_query_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE]);
+void esk_parameters_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE]);
 
 #endif
