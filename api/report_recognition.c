@@ -74,6 +74,27 @@ static void write_search(const json_t *search, FILE *out)
 		out);
 }
 
+/* In what the query differs from the nearest shape, where the answer explains it. */
+static void write_differences(const json_t *nearest, FILE *out)
+{
+	size_t i;
+	json_t *difference;
+	const json_t *differences = json_object_get(nearest, "differences");
+	if (!differences)
+		return;
+	fputs("\nbeside ", out);
+	esk_table_write_plain(out, esk_report_member(nearest, "name"));
+	fputs(", matched class by class:\n", out);
+	json_array_foreach (differences, i, difference) {
+		const char *text = json_string_value(json_object_get(difference, "text"));
+		if (!text)
+			continue;
+		fputs("  ", out);
+		esk_table_write_plain(out, text);
+		fputc('\n', out);
+	}
+}
+
 bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)
 {
 	size_t i, j, count = 0;
@@ -93,6 +114,7 @@ bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)
 	if (count == 1) {
 		whole = write_neighbours(only, out, colour) && whole;
 		write_search(json_object_get(only, "search"), out);
+		write_differences(json_array_get(json_object_get(only, "neighbours"), 0), out);
 	}
 	return whole;
 }

@@ -6,7 +6,7 @@
 static const esk_column level_columns[] = {{"level", true}, {"intraclass ratio", true}, {"split class", true},
 	{"split ratio", true}, {"degenerate", false}};
 
-static const esk_column class_columns[] = {{"class", true}, {"parent", true}, {"voxels", true}, {"x mm", true},
+static const esk_column class_columns[] = {{"class", true}, {"voxels", true}, {"x mm", true},
 	{"y mm", true}, {"z mm", true}, {"√λ1 mm", true}, {"√λ2 mm", true}, {"√λ3 mm", true}, {"ρ mm", true}};
 
 static void add_level(esk_table *table, const json_t *level)
@@ -23,7 +23,6 @@ static void add_class(esk_table *table, const json_t *node)
 	const json_t *centre = json_object_get(node, "centre_mm"),
 		     *eigenvalues = json_object_get(node, "eigenvalues_mm2");
 	esk_report_number(table, node, "class", 0);
-	esk_report_number(table, node, "parent", 0);
 	esk_report_number(table, node, "voxels", 0);
 	for (size_t i = 0; i < 3; i++)
 		esk_table_format(table, "%.1f", json_number_value(json_array_get(centre, i)));

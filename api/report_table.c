@@ -1,5 +1,7 @@
 #include "report_table.h"
 
+#include "text.h"
+
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,30 +38,19 @@ void esk_table_free(esk_table *table)
 	free(table);
 }
 
-/* The code point at text and how many bytes it takes; a byte that starts none stands for itself. */
+/* The code point at text, which is UTF-8, and how many bytes it takes. */
 static wchar_t code_point(const char *text, size_t *size)
 {
 	const unsigned char *bytes = (const unsigned char *)text;
 	size_t length = bytes[0] >= 0xf0 ? 4 : bytes[0] >= 0xe0 ? 3 : bytes[0] >= 0xc0 ? 2 : 1;
 	unsigned code = length == 1 ? bytes[0] : bytes[0] & (0xffu >> (length + 1));
-	for (size_t i = 1; i < length; i++) {
-		if ((bytes[i] & 0xc0) != 0x80) {
-			*size = 1;
-			return bytes[0];
-		}
+	for (size_t i = 1; i < length; i++)
 		code = code << 6 | (bytes[i] & 0x3f);
-	}
 	*size = length;
 	return (wchar_t)code;
 }
 
-/* C0, DEL and C1: what makes a terminal act. */
-static bool is_control(wchar_t code)
-{
-	return code < 0x20 || (code >= 0x7f && code < 0xa0);
-}
-
-/* Terminal columns of text; 1 for what the locale does not know. */
+/* Terminal columns of UTF-8 text; 1 for a character that the locale does not know. */
 static size_t display_width(const char *text)
 {
 	size_t width = 0, size;
@@ -70,30 +61,19 @@ static size_t display_width(const char *text)
 	return width;
 }
 
-void esk_table_write_plain(FILE *out, const char *text)
-{
-	size_t size;
-	for (; *text; text += size) {
-		if (is_control(code_point(text, &size)))
-			fputc('?', out);
-		else
-			fwrite(text, 1, size, out);
-	}
-}
-
 char *esk_table_plain(const char *text)
 {
-	char *copy = NULL;
-	size_t size;
-	FILE *out = open_memstream(&copy, &size);
-	if (!out)
-		return NULL;
-	esk_table_write_plain(out, text);
-	if (fclose(out)) {
-		free(copy);
-		return NULL;
-	}
+	char *copy = strdup(text);
+	if (copy)
+		esk_text_clean(copy);
 	return copy;
+}
+
+void esk_table_write_plain(FILE *out, const char *text)
+{
+	char *copy = esk_table_plain(text);
+	fputs(copy ? copy : "?", out);
+	free(copy);
 }
 
 static bool reserve(esk_table *table)

@@ -23,7 +23,7 @@ typedef struct esk_table esk_table;
 esk_table *esk_table_new(const esk_column *columns, size_t column_count);
 void esk_table_free(esk_table *table);
 
-/* The next cell of the row; control characters in it become '?'. Takes a NULL table (one whose _new failed). */
+/* The next cell of the row; control characters, and what is not UTF-8, become '?'. Takes a NULL table (one whose _new failed). */
 void esk_table_cell(esk_table *table, const char *text);
 void esk_table_toned_cell(esk_table *table, esk_tone tone, const char *text);
 void esk_table_format(esk_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -31,7 +31,7 @@ void esk_table_format(esk_table *table, const char *format, ...) __attribute__((
 /* Nothing when there is no row. False when memory ran out, here or earlier. */
 bool esk_table_write(const esk_table *table, FILE *out, bool colour);
 
-/* Text with its control characters replaced: written, or copied (free() it; NULL when memory ran out). */
+/* Text with the same replaced: written, or copied (free() it; NULL when memory ran out). */
 void esk_table_write_plain(FILE *out, const char *text);
 char *esk_table_plain(const char *text);
 

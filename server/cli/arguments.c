@@ -33,9 +33,10 @@ struct esk_option {
 };
 
 static const esk_option options[] = {
-	{"labels", "TABLE", ENROLL, NULL, "names for the labels: CSV with the columns label, name, class, side"},
+	{"labels", "TABLE", ENROLL | RECOGNIZE, NULL,
+		"names for the labels: CSV with the columns label, name, class, side"},
 	{"label", "N", ENROLL | RECOGNIZE | SKELETON, "label", "this label of the volume only; may be repeated"},
-	{"name", "NAME", ENROLL, "name", "what it is called"},
+	{"name", "NAME", ENROLL | RECOGNIZE, "name", "what it is called"},
 	{"class", "CLASS", ENROLL, "class", "what kind of thing it is, such as femur"},
 	{"side", "SIDE", ENROLL, "side", "left, right or none"},
 	{"subject", "SUBJECT", ENROLL, "subject", "whose it is"},

@@ -155,7 +155,7 @@ static esk_outcome perform(esk_client *client, const esk_request *request, FILE 
 	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, reason);
 	CURLcode code = curl_easy_perform(client->curl);
 	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, NULL);
-	esk_progress_done(client->progress);
+	esk_progress_end(client->progress, !code);
 	free(url);
 	if (code)
 		return esk_complain(ESK_UNREACHABLE, "%s does not answer: %s", client->server,

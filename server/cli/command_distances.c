@@ -8,16 +8,11 @@ static char *ids_of(const esk_arguments *arguments)
 	char *ids = NULL;
 	size_t size;
 	FILE *out = open_memstream(&ids, &size);
-	if (!out)
-		return NULL;
-	for (size_t i = 0; i < arguments->operand_count; i++) {
+	for (size_t i = 0; i < arguments->operand_count && out; i++) {
 		fputs(i > 0 ? "," : "&id=", out);
 		esk_arguments_write_escaped(arguments->operands[i], out);
 	}
-	if (!fclose(out))
-		return ids;
-	free(ids);
-	return NULL;
+	return esk_session_close_text(out, &ids);
 }
 
 /* CSV is for other programs: it passes through. */

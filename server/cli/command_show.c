@@ -12,10 +12,8 @@ static esk_outcome show_one(esk_session *session, const char *id)
 		fputs("/shapes/", out);
 		esk_arguments_write_escaped(id, out);
 	}
-	if (!out || fclose(out)) {
-		free(path);
-		return esk_complain(ESK_REFUSED, "memory ran out");
-	}
+	if (!esk_session_close_text(out, &path))
+		return ESK_REFUSED;
 	const esk_request request = {path, "", NULL};
 	esk_outcome outcome = esk_session_ask(session, &request, id);
 	free(path);

@@ -92,13 +92,13 @@ void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t tota
 	draw(progress, total > 0 ? (double)steps / (double)total : 0, doing);
 }
 
-void esk_progress_done(esk_progress *progress)
+void esk_progress_end(esk_progress *progress, bool done)
 {
 	if (progress->quiet)
 		return;
 	if (progress->terminal)
 		fputs("\r\033[K", stderr);
-	else if (progress->items > 1)
+	else if (done && progress->items > 1)
 		fprintf(stderr, "%zu of %zu: %s, %.1f s\n", progress->item, progress->items, progress->name,
 			seconds_since(&progress->started));
 }

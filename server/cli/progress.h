@@ -17,7 +17,7 @@ typedef struct {
 
 void esk_progress_begin(esk_progress *progress, bool quiet, size_t items);
 
-/* The next item. Borrows its name until esk_progress_done. */
+/* The next item. Borrows its name until esk_progress_end. */
 void esk_progress_next(esk_progress *progress, const char *name);
 
 /* Part of the item is sent; once all is (sent == total), the other side computes. Cheap to call often. */
@@ -26,7 +26,7 @@ void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total);
 /* So many of the item's steps are computed here. */
 void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t total);
 
-/* The item has ended: what is printed next starts on a clean line. */
-void esk_progress_done(esk_progress *progress);
+/* The item has ended, done or given up: what is printed next starts on a clean line. */
+void esk_progress_end(esk_progress *progress, bool done);
 
 #endif

@@ -117,6 +117,15 @@ esk_outcome esk_session_ask(esk_session *session, const esk_request *request, co
 	return outcome;
 }
 
+char *esk_session_close_text(FILE *out, char **text)
+{
+	if (out && !fclose(out))
+		return *text;
+	free(*text);
+	esk_complain(ESK_REFUSED, "memory ran out");
+	return NULL;
+}
+
 char *esk_session_query(const esk_session *session, const char *in_front)
 {
 	char *query = NULL;
@@ -125,10 +134,6 @@ char *esk_session_query(const esk_session *session, const char *in_front)
 	if (out) {
 		fputs(in_front, out);
 		esk_arguments_write_query(session->arguments, NULL, out);
-		if (!fclose(out))
-			return query;
 	}
-	free(query);
-	esk_complain(ESK_REFUSED, "memory ran out");
-	return NULL;
+	return esk_session_close_text(out, &query);
 }

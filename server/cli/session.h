@@ -41,6 +41,10 @@ esk_outcome esk_session_ask(esk_session *session, const esk_request *request, co
  * out. */
 char *esk_session_query(const esk_session *session, const char *in_front);
 
+/* Closes what open_memstream opened on *text, or did not (out is NULL). The text; NULL, with a complaint, when memory
+ * ran out. */
+char *esk_session_close_text(FILE *out, char **text);
+
 /* The worse of two. */
 esk_outcome esk_outcome_worse(esk_outcome a, esk_outcome b);
 

@@ -1,22 +1,33 @@
 #include "volume_file.h"
 
+#include "label_csv.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static esk_outcome feed(const char *path, FILE *file, eskel_volume *volume)
+/* The labels that --label names, as many as there are options at most. */
+static esk_outcome read_labels(const esk_arguments *arguments, int32_t *labels, size_t *count)
 {
-	enum { piece_size = 1 << 16 };
-	char *piece = malloc(piece_size);
-	eskel_error error = {.status = piece ? ESKEL_OK : ESKEL_NO_MEMORY};
-	eskel_status status = error.status;
+	size_t position = 0;
+	const char *text;
+	*count = 0;
+	while ((text = esk_arguments_next(arguments, "label", &position))) {
+		if (!esk_label_parse(text, &labels[(*count)++]))
+			return esk_complain(ESK_MISUSED, "--label is %s, expected a whole number other than 0", text);
+	}
+	return ESK_DONE;
+}
+
+static esk_outcome decode(const char *path, FILE *file, eskel_volume *volume)
+{
+	char piece[1 << 16];
+	eskel_error error = {0};
+	eskel_status status = ESKEL_OK;
 	size_t size;
-	if (!piece)
-		snprintf(error.text, sizeof error.text, "memory ran out");
-	while (!status && (size = fread(piece, 1, piece_size, file)) > 0)
+	while (!status && (size = fread(piece, 1, sizeof piece, file)) > 0)
 		status = eskel_volume_feed(volume, piece, size, &error);
-	free(piece);
 	if (ferror(file))
 		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
 	if (!status)
@@ -24,17 +35,39 @@ static esk_outcome feed(const char *path, FILE *file, eskel_volume *volume)
 	return status ? esk_complain(ESK_REFUSED, "%s: %s", path, error.text) : ESK_DONE;
 }
 
-esk_outcome esk_volume_file_read(const char *path, const int32_t *labels, size_t label_count, eskel_volume **volume)
+static esk_outcome check_labels(const char *path, const eskel_volume *volume, const int32_t *labels, size_t count)
 {
-	const eskel_volume_options options = {.labels = labels, .label_count = label_count};
+	unsigned sides;
+	for (size_t i = 0; i < count; i++) {
+		if (eskel_volume_border(volume, labels[i], &sides))
+			return esk_complain(ESK_REFUSED, "%s: no voxel has the label %d", path, (int)labels[i]);
+	}
+	return ESK_DONE;
+}
+
+esk_outcome esk_volume_file_read(const char *path, const esk_arguments *arguments, eskel_volume **volume)
+{
 	eskel_volume *made = NULL;
+	size_t count = 0;
+	esk_outcome outcome = ESK_REFUSED;
+	int32_t *labels = calloc(arguments->given_count + 1, sizeof *labels);
 	FILE *file = fopen(path, "re");
 	if (!file)
-		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
-	eskel_status status = eskel_volume_new(&options, &made);
-	esk_outcome outcome =
-		status ? esk_complain(ESK_REFUSED, "%s: %s", path, eskel_status_text(status)) : feed(path, file, made);
-	fclose(file);
+		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+	else if (!labels)
+		outcome = esk_complain(ESK_REFUSED, "memory ran out");
+	else
+		outcome = read_labels(arguments, labels, &count);
+	const eskel_volume_options options = {.labels = count > 0 ? labels : NULL, .label_count = count};
+	if (!outcome && eskel_volume_new(&options, &made))
+		outcome = esk_complain(ESK_REFUSED, "memory ran out");
+	if (!outcome)
+		outcome = decode(path, file, made);
+	if (!outcome)
+		outcome = check_labels(path, made, labels, count);
+	if (file)
+		fclose(file);
+	free(labels);
 	if (outcome)
 		eskel_volume_free(made);
 	else

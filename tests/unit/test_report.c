@@ -130,6 +130,7 @@ static void one_shape_is_shown_member_by_member(void **state)
 
 #define NEIGHBOUR \
 	"{\"id\":\"77\",\"name\":\"femur_right\",\"class\":\"femur\",\"side\":\"right\",\"subject\":\"VHM\"," \
+	"\"differences\":[{\"class\":0,\"text\":null},{\"class\":1,\"text\":\"class 1: 12 % longer\"}],"             \
 	"\"distance\":0.12345,\"chirality\":{\"verdict\":\"mirrored\",\"score\":-0.456}}"
 
 static const char wrong_label[] =
@@ -153,7 +154,7 @@ static void a_recognition_says_class_side_and_whether_the_label_agrees(void **st
 	eskel_report_free(report);
 }
 
-static void a_single_recognition_lists_its_neighbours_and_what_was_searched(void **state)
+static void a_single_recognition_lists_its_neighbours_and_explains_itself(void **state)
 {
 	(void)state;
 	eskel_report *report = report_of(ESKEL_REPORT_RECOGNITION);
@@ -161,6 +162,7 @@ static void a_single_recognition_lists_its_neighbours_and_what_was_searched(void
 	char *text = eskel_report_text(report, false);
 	assert_non_null(strstr(text, "\n1  femur_right  femur  right  VHM        0.1235  mirrored   -0.46  77\n"));
 	assert_non_null(strstr(text, "\nsearched 78 shapes, mode exact: proven, no other shape is nearer\n"));
+	assert_non_null(strstr(text, "\nbeside femur_right, matched class by class:\n  class 1: 12 % longer\n"));
 	free(text);
 	eskel_report_free(report);
 }
@@ -207,9 +209,9 @@ static void a_skeleton_shows_its_levels_and_its_deepest_classes(void **state)
 		"    2            0.2500            0       0.2500  yes\n"
 		"\n"
 		"the classes of level 2\n"
-		"class  parent  voxels  x mm  y mm  z mm  √λ1 mm  √λ2 mm  √λ3 mm  ρ mm\n"
-		"    0       0       8  -2.0   0.0   0.0    2.00    1.00    0.50  2.00\n"
-		"    1       0       7   2.0   0.0   0.0    2.00    1.00    0.50  2.00\n");
+		"class  voxels  x mm  y mm  z mm  √λ1 mm  √λ2 mm  √λ3 mm  ρ mm\n"
+		"    0       8  -2.0   0.0   0.0    2.00    1.00    0.50  2.00\n"
+		"    1       7   2.0   0.0   0.0    2.00    1.00    0.50  2.00\n");
 	eskel_report_free(report);
 }
 
@@ -238,7 +240,7 @@ int main(void)
 		cmocka_unit_test(the_cursor_of_a_longer_list_is_told),
 		cmocka_unit_test(one_shape_is_shown_member_by_member),
 		cmocka_unit_test(a_recognition_says_class_side_and_whether_the_label_agrees),
-		cmocka_unit_test(a_single_recognition_lists_its_neighbours_and_what_was_searched),
+		cmocka_unit_test(a_single_recognition_lists_its_neighbours_and_explains_itself),
 		cmocka_unit_test(colour_marks_a_label_that_disagrees),
 		cmocka_unit_test(a_matrix_has_one_numbered_column_a_row),
 		cmocka_unit_test(a_skeleton_shows_its_levels_and_its_deepest_classes),
