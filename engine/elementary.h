@@ -1,4 +1,4 @@
-/* ln, exp and the cube root from IEEE basic operations alone, in a fixed order.
+/* ln, exp, the cube root and rounding to float from IEEE basic operations alone, in a fixed order.
  *
  * The C library's own differ in the last bit between versions and, because they choose fused multiply-add at run time,
  * between processors. Features must be the same bits everywhere, and these loops vectorise. */
@@ -64,6 +64,13 @@ static inline double esk_elementary_cbrt(double x)
 	root -= (root - x / (root * root)) / 3;
 	root -= (root - x / (root * root)) / 3;
 	return root;
+}
+
+/* Through memory: when gcc 12 joins two neighbours in a vector it drops a conversion to float and back, at -O2 already. */
+static inline double esk_elementary_round_to_float(double x)
+{
+	volatile float rounded = (float)x;
+	return (double)rounded;
 }
 
 #endif

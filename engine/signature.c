@@ -7,6 +7,7 @@
  * Numbers are rounded to float here, once, so that a stored signature is the same signature. */
 #include "signature.h"
 
+#include "elementary.h"
 #include "error.h"
 #include "memory.h"
 
@@ -15,7 +16,7 @@
 
 static const double pi = 3.14159265358979323846;
 static const double five_to_three_halves = 11.18033988749894848205;
-/* A few voxels have less covariance than the solid that they fill; this is what notes of the distance call solid. */
+/* The centres of a few voxels vary less than the solid that they fill; a quotient beyond this says no more. */
 static const double most_solidity = 1.25;
 
 static const double least_volume = 1e-20, most_volume = 1e25, most_number = 1e10;
@@ -60,10 +61,10 @@ eskel_status eskel_signature_new(const eskel_skeleton *skeleton, eskel_signature
 		const eskel_node *node = &skeleton->nodes[n];
 		double *row = made->rows[n];
 		for (int i = 0; i < 3; i++)
-			row[i] = (double)(float)sqrt(node->eigenvalues[i]);
-		row[3] = (double)(float)node->rho;
-		row[4] = (double)(float)solidity(
-			node->eigenvalues, skeleton->volume * (node->weight / skeleton->weight));
+			row[i] = esk_elementary_round_to_float(sqrt(node->eigenvalues[i]));
+		row[3] = esk_elementary_round_to_float(node->rho);
+		row[4] = esk_elementary_round_to_float(
+			solidity(node->eigenvalues, skeleton->volume * (node->weight / skeleton->weight)));
 	}
 	*signature = made;
 	return ESKEL_OK;

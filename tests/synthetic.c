@@ -63,6 +63,13 @@ static void split(source *s, box *whole, box *part)
 	}
 }
 
+/* Through memory: gcc 12 may drop the conversion (engine/elementary.h). */
+static double to_float(double x)
+{
+	volatile float rounded = (float)x;
+	return (double)rounded;
+}
+
 static void write_row(const box *b, double row[ESKEL_SIGNATURE_NUMBERS])
 {
 	double lengths[3] = {b->side[0], b->side[1], b->side[2]};
@@ -74,10 +81,10 @@ static void write_row(const box *b, double row[ESKEL_SIGNATURE_NUMBERS])
 				lengths[j + 1] = swap;
 			}
 	for (int i = 0; i < 3; i++)
-		row[i] = (double)(float)(lengths[i] / sqrt(12));
+		row[i] = to_float(lengths[i] / sqrt(12));
 	const double *g = b->centre;
-	row[3] = (double)(float)sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-	row[4] = (double)(float)b->filled;
+	row[3] = to_float(sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]));
+	row[4] = to_float(b->filled);
 }
 
 eskel_signature *synthetic_signature(uint64_t cluster, uint64_t member, double noise, uint32_t levels)

@@ -79,6 +79,26 @@ static void flat_and_single_voxel_classes_have_the_greatest_solidity(void **stat
 	eskel_signature_free(signature);
 }
 
+static void the_numbers_of_a_signature_are_floats(void **state)
+{
+	(void)state;
+	eskel_node nodes[3];
+	for (int n = 0; n < 3; n++) {
+		nodes[n] = solid_ellipsoid(5.1 + n, 4.3 + n, 3.7 + n, n ? 0.5 : 1);
+		nodes[n].rho = 0.1 + n;
+	}
+	eskel_skeleton skeleton = {.level_count = 2, .weight = 1, .volume = 300.7, .nodes = nodes};
+	eskel_signature *signature = NULL;
+	assert_int_equal(eskel_signature_new(&skeleton, &signature), ESKEL_OK);
+	for (int n = 0; n < 3; n++)
+		for (int i = 0; i < ESKEL_SIGNATURE_NUMBERS; i++) {
+			volatile float rounded = (float)signature->rows[n][i];
+			if ((double)rounded != signature->rows[n][i])
+				fail_msg("number %d of class %d is %.17g, not a float", i, n, signature->rows[n][i]);
+		}
+	eskel_signature_free(signature);
+}
+
 static void an_encoded_signature_decodes_to_the_same_numbers(void **state)
 {
 	(void)state;
@@ -149,6 +169,7 @@ int main(void)
 		cmocka_unit_test(a_solid_ellipsoid_has_solidity_one),
 		cmocka_unit_test(a_class_has_the_solidity_of_its_share_of_the_volume),
 		cmocka_unit_test(flat_and_single_voxel_classes_have_the_greatest_solidity),
+		cmocka_unit_test(the_numbers_of_a_signature_are_floats),
 		cmocka_unit_test(an_encoded_signature_decodes_to_the_same_numbers),
 		cmocka_unit_test(bytes_that_no_encode_made_are_refused),
 		cmocka_unit_test(nothing_is_freed_without_harm),
