@@ -8,6 +8,8 @@
  */
 #include "run_builder.h"
 
+#include "byte_order.h"
+#include "bytes.h"
 #include "error.h"
 #include "memory.h"
 
@@ -94,34 +96,33 @@ void esk_run_builder_set_grid(esk_run_builder *builder, const esk_voxel_format *
 	memcpy(builder->extent, extent, sizeof builder->extent);
 }
 
-static uint64_t load_word(const uint8_t *bytes)
+/* Not 0 when any of 32 bytes differs from the pattern. */
+static uint64_t difference(const uint8_t *b, uint64_t pattern)
 {
-	uint64_t word;
-	memcpy(&word, bytes, sizeof word);
-	return word;
+	return (esk_bytes_get_u64(b) ^ pattern) | (esk_bytes_get_u64(b + 8) ^ pattern) |
+	       (esk_bytes_get_u64(b + 16) ^ pattern) | (esk_bytes_get_u64(b + 24) ^ pattern);
 }
 
-/* How many of the first size bytes repeat the first voxel, in whole voxels. voxel_size divides 8 and size. */
-static size_t equal_bytes(const uint8_t *bytes, size_t size, size_t voxel_size)
+/* How many of the first size bytes repeat the first voxel, in whole voxels. voxel_size is 1, 2, 4 or 8. */
+static size_t equal_bytes(const uint8_t *bytes, size_t size, unsigned voxel_size)
 {
-	uint8_t repeated[8];
-	for (size_t i = 0; i < sizeof repeated; i++)
-		repeated[i] = bytes[i % voxel_size];
-	const uint64_t pattern = load_word(repeated);
-	size_t n = 0;
-	while (size - n >= 64) {
-		uint64_t difference = 0;
-		for (size_t i = 0; i < 64; i += 8)
-			difference |= load_word(bytes + n + i) ^ pattern;
-		if (difference != 0)
-			break;
+	uint64_t pattern = esk_byte_order_unsigned(bytes, voxel_size, false);
+	for (unsigned bits = 8 * voxel_size; bits < 64; bits *= 2)
+		pattern |= pattern << bits;
+	const size_t whole_voxels = ~(size_t)(voxel_size - 1); /* rounds down */
+	size_t n = voxel_size;
+	while (size - n >= 64 && (difference(bytes + n, pattern) | difference(bytes + n + 32, pattern)) == 0)
 		n += 64;
+	for (; size - n >= 8; n += 8) {
+		uint64_t differing = esk_bytes_get_u64(bytes + n) ^ pattern;
+		if (differing != 0) {
+			n += (unsigned)__builtin_ctzll(differing) / 8; /* the lowest bits are the first byte */
+			return n & whole_voxels;
+		}
 	}
-	while (size - n >= 8 && load_word(bytes + n) == pattern)
-		n += 8;
-	while (n < size && memcmp(bytes + n, repeated, voxel_size) == 0)
-		n += voxel_size;
-	return n;
+	while (n < size && bytes[n] == bytes[n - voxel_size])
+		n++;
+	return n & whole_voxels;
 }
 
 /* The runs of a label; NULL in *found when it is not wanted. */
@@ -203,7 +204,7 @@ static eskel_status add_stretch(esk_run_builder *b, int32_t label, size_t count,
 
 eskel_status esk_run_builder_add(esk_run_builder *builder, const uint8_t *voxels, size_t count, eskel_error *error)
 {
-	const size_t voxel_size = builder->format.size;
+	const unsigned voxel_size = builder->format.size;
 	const uint8_t *end = voxels + count * voxel_size;
 	while (voxels < end) {
 		int32_t label;

@@ -1,0 +1,76 @@
+/* Any bytes, decoded whole and in pieces: the same status and sentence, or the same clouds, whose encoding decodes. */
+#include "eskel.h"
+#include "fuzz.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Small, so that no input takes long. */
+static const eskel_volume_options limits = {.most_voxels = 1 << 18, .most_runs = 1 << 14, .most_labels = 64};
+
+static eskel_volume *decode(const uint8_t *data, size_t size, size_t piece, eskel_error *error)
+{
+	eskel_volume *volume = NULL;
+	if (eskel_volume_new(&limits, &volume) != ESKEL_OK)
+		abort();
+	eskel_status status = ESKEL_OK;
+	for (size_t at = 0; at < size && status == ESKEL_OK; at += piece)
+		status = eskel_volume_feed(volume, data + at, piece < size - at ? piece : size - at, error);
+	if (status == ESKEL_OK)
+		status = eskel_volume_finish(volume, error);
+	if (status == ESKEL_OK)
+		return volume;
+	if (error->status != status || error->text[0] == '\0')
+		abort();
+	eskel_volume_free(volume);
+	return NULL;
+}
+
+static void encode(const eskel_volume *volume, size_t index, uint8_t **bytes, size_t *size)
+{
+	int32_t label = eskel_volume_label(volume, index);
+	eskel_cloud *cloud = NULL, *again = NULL;
+	unsigned sides;
+	*bytes = NULL;
+	*size = 0;
+	if (eskel_volume_border(volume, label, &sides) != ESKEL_OK)
+		abort();
+	/* An affine at the edge of what is allowed, or a huge offset, may be refused here. */
+	if (eskel_volume_cloud(volume, label, &cloud, NULL) != ESKEL_OK)
+		return;
+	if (eskel_cloud_encode(cloud, bytes, size) != ESKEL_OK ||
+		eskel_cloud_decode(*bytes, *size, &again, NULL) != ESKEL_OK)
+		abort();
+	eskel_cloud_free(again);
+	eskel_cloud_free(cloud);
+}
+
+static void compare(const eskel_volume *a, const eskel_volume *b)
+{
+	if (eskel_volume_label_count(a) == 0 || eskel_volume_label_count(a) != eskel_volume_label_count(b))
+		abort();
+	for (size_t i = 0; i < eskel_volume_label_count(a); i++) {
+		uint8_t *bytes, *other_bytes;
+		size_t size, other_size;
+		encode(a, i, &bytes, &size);
+		encode(b, i, &other_bytes, &other_size);
+		if (size != other_size || (size > 0 && memcmp(bytes, other_bytes, size) != 0))
+			abort();
+		free(bytes);
+		free(other_bytes);
+	}
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+	eskel_error error = {0}, other_error = {0};
+	eskel_volume *whole = decode(data, size, size, &error);
+	eskel_volume *pieces = decode(data, size, 1 + size % 61, &other_error);
+	if (error.status != other_error.status || strcmp(error.text, other_error.text) != 0)
+		abort();
+	if (whole)
+		compare(whole, pieces);
+	eskel_volume_free(whole);
+	eskel_volume_free(pieces);
+	return 0;
+}

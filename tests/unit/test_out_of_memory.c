@@ -1,0 +1,107 @@
+/* Lets the nth allocation of the engine fail, for n = 1, 2, 3 ... until there are no more. Each time the status must be
+ * ESKEL_NO_MEMORY, the outputs untouched and, as a sanitizer sees, nothing leaked. Linked with --wrap for malloc, calloc
+ * and realloc. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "eskel.h"
+#include "nifti_file.h"
+
+#include <stdlib.h>
+
+static long allocations_left = -1; /* before one fails; -1: none fails */
+
+static int fails(void)
+{
+	return allocations_left >= 0 && allocations_left-- == 0;
+}
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *old, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+
+void *__wrap_malloc(size_t size)
+{
+	return fails() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+	return fails() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *old, size_t size)
+{
+	return fails() ? NULL : __real_realloc(old, size);
+}
+
+/* From the bytes of a file to a cloud, its encoding, and the cloud decoded from that. */
+static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	eskel_volume *volume = NULL;
+	eskel_cloud *cloud = NULL, *again = NULL;
+	uint8_t *encoded = NULL;
+	size_t encoded_size = 0;
+	const int32_t wanted[] = {2, 1};
+	eskel_status status = eskel_volume_new(&(eskel_volume_options){.labels = wanted, .label_count = 2}, &volume);
+	if (status == ESKEL_OK)
+		status = eskel_volume_feed(volume, bytes, size, error);
+	if (status == ESKEL_OK)
+		status = eskel_volume_finish(volume, error);
+	if (status == ESKEL_OK)
+		status = eskel_volume_cloud(volume, 1, &cloud, error);
+	if (status == ESKEL_OK)
+		status = eskel_cloud_encode(cloud, &encoded, &encoded_size);
+	if (status == ESKEL_OK)
+		status = eskel_cloud_decode(encoded, encoded_size, &again, error);
+	assert_int_equal(status != ESKEL_OK, again == NULL);
+	free(encoded);
+	eskel_cloud_free(again);
+	eskel_cloud_free(cloud);
+	eskel_volume_free(volume);
+	return status;
+}
+
+static void every_failed_allocation_is_reported_and_leaks_nothing(void **state)
+{
+	(void)state;
+	/* The axes are stored y, x, z, so that the runs change their axis. */
+	nifti_file file = nifti_file_new(1, false, 4, 8, 6, 5);
+	for (int r = 0; r < 2; r++)
+		for (int c = 0; c < 2; c++)
+			file.srow[r][c] = r != c;
+	double values[8 * 6 * 5];
+	for (int i = 0; i < 240; i++)
+		values[i] = i % 7 % 3;
+	size_t size, gzip_size;
+	uint8_t *bytes = nifti_file_write(&file, values, 240, &size);
+	uint8_t *gzipped = nifti_file_gzip(bytes, size, &gzip_size);
+	int failures = 0;
+	for (bool failed = true; failed && failures < 1000; failures++) {
+		eskel_error error = {ESKEL_NO_MEMORY, ""};
+		allocations_left = failures;
+		eskel_status status = run_pipeline(gzipped, gzip_size, &error);
+		failed = allocations_left < 0;
+		allocations_left = -1;
+		/* A failure to give memory back, when a buffer shrinks, does no harm. */
+		if (status != ESKEL_OK && (!failed || status != ESKEL_NO_MEMORY || error.status != ESKEL_NO_MEMORY))
+			fail_msg("allocation %d: %s (%s)", failures, eskel_status_text(status), error.text);
+	}
+	assert_in_range(failures, 15, 999);
+	free(gzipped);
+	free(bytes);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_failed_allocation_is_reported_and_leaks_nothing),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

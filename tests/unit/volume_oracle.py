@@ -1,0 +1,114 @@
+#!/usr/bin/python3
+"""Compares print_labels with nibabel: voxels, volume, centroid and touched borders of every label, in every .nii.gz
+below the folders given and in random files with all sorts of orientation, datatype and byte order.
+
+volume_oracle.py PRINT_LABELS FOLDER..."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+try:
+    import nibabel
+    import numpy
+except ImportError:
+    print("skipped: nibabel is not installed")
+    sys.exit(77)
+
+BAD_VALUE, UNSUPPORTED = "refused 9", "refused 6"  # of eskel_status
+
+
+def expected_labels(path):
+    """{label: (voxels, volume, centroid, sides)}, or the refusal."""
+    image = nibabel.load(path)
+    if any(n != 1 for n in image.shape[3:]):
+        return UNSUPPORTED
+    values = numpy.asanyarray(image.dataobj).reshape((image.shape + (1, 1))[:3])
+    if not numpy.array_equal(values, numpy.rint(values)):
+        return BAD_VALUE
+    result = {}
+    where = numpy.nonzero(values)
+    index = numpy.stack(where, axis=1)
+    found = values[where].astype(numpy.int64)
+    order = numpy.argsort(found, kind="stable")
+    index, found = index[order], found[order]
+    labels, first = numpy.unique(found, return_index=True)
+    volume = abs(numpy.linalg.det(image.affine[:3, :3]))
+    for label, points in zip(labels, numpy.split(index, first[1:])):
+        centroid = image.affine[:3, :3] @ points.mean(axis=0) + image.affine[:3, 3]
+        sides = 0
+        for axis in range(3):
+            sides |= int((points[:, axis] == 0).any()) << 2 * axis
+            sides |= int((points[:, axis] == values.shape[axis] - 1).any()) << 2 * axis + 1
+        result[int(label)] = (len(points), len(points) * volume, centroid, sides)
+    return result
+
+
+def printed_labels(program, path):
+    text = subprocess.run([program, str(path)], check=True, capture_output=True, text=True).stdout
+    if text.startswith("refused"):
+        return text.strip()
+    result = {}
+    for line in text.splitlines():
+        label, voxels, volume, x, y, z, sides = line.split()
+        result[int(label)] = (int(voxels), float(volume), numpy.array([float(x), float(y), float(z)]), int(sides))
+    return result
+
+
+def compare(program, path):
+    expected, printed = expected_labels(path), printed_labels(program, path)
+    if isinstance(expected, str) or isinstance(printed, str):
+        assert expected == printed, f"{path}: {printed}, expected {expected}"
+        return 0
+    assert sorted(expected) == sorted(printed), f"{path}: labels {sorted(printed)}, expected {sorted(expected)}"
+    # The canonical offset is rounded to 1/1024 of less than the largest matrix entry.
+    spacing = numpy.abs(nibabel.load(path).affine[:3, :3]).max()
+    for label, (voxels, volume, centroid, sides) in expected.items():
+        got = printed[label]
+        where = f"{path}, label {label}: {got}, expected {expected[label]}"
+        assert got[0] == voxels and got[3] == sides, where
+        assert abs(got[1] - volume) <= 2e-6 * volume, where
+        assert numpy.abs(got[2] - centroid).max() <= spacing / 1024, where
+    return len(expected)
+
+
+def random_image(rng):
+    shape = rng.integers(1, 30, 3)
+    data = numpy.zeros(shape)
+    for label in rng.integers(1, 120, 4):
+        low = rng.integers(0, shape)
+        high = rng.integers(low, shape) + 1
+        data[tuple(slice(a, b) for a, b in zip(low, high))] = label
+    data[tuple(shape // 2)] = 1
+    kind = nibabel.Nifti1Image if rng.integers(2) else nibabel.Nifti2Image
+    code = rng.choice(["u1", "i1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"])
+    header = kind.header_class(endianness="<>"[rng.integers(2)])
+    header.set_data_dtype(code)
+    header.set_xyzt_units("mm")
+    rotation = numpy.linalg.qr(rng.normal(size=(3, 3)))[0]  # either handedness
+    affine = numpy.eye(4)
+    affine[:3, :3] = rotation * rng.uniform(0.2, 5, 3)
+    affine[:3, 3] = rng.uniform(-300, 300, 3)
+    image = kind(data.astype(code), affine, header)
+    image.set_qform(affine, 1)
+    image.set_sform(affine, int(rng.integers(2)))  # code 0: only the qform counts
+    return image
+
+
+def main(program, folders):
+    files = sorted(path for folder in folders for path in pathlib.Path(folder).rglob("*.nii.gz"))
+    for folder in folders:
+        if not pathlib.Path(folder).is_dir():
+            print(f"skipped: {folder} is absent")
+    labels = sum(compare(program, path) for path in files)
+    rng = numpy.random.default_rng(20)
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(100):
+            path = pathlib.Path(folder, f"random_{number}.nii" + (".gz" if number % 2 else ""))
+            nibabel.save(random_image(rng), path)
+            labels += compare(program, path)
+    print(f"{len(files)} files and 100 random ones, {labels} labels agree")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2:])
