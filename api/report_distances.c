@@ -11,7 +11,7 @@ static esk_column *number_columns(size_t count)
 	if (!columns)
 		return NULL;
 	char *titles = (char *)(columns + count + 2);
-	columns[0] = (esk_column){"", true};
+	columns[0] = (esk_column){"#", true};
 	columns[1] = (esk_column){"name", false};
 	for (size_t c = 0; c < count; c++) {
 		snprintf(titles, title_size, "%zu", c + 1);

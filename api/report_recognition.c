@@ -4,7 +4,7 @@
 static const esk_column verdict_columns[] = {{"query", false}, {"class", false}, {"side", false}, {"nearest", false},
 	{"distance", true}, {"chirality", false}, {"score", true}, {"agrees", false}, {"ms", true}};
 
-static const esk_column neighbour_columns[] = {{"", true}, {"name", false}, {"class", false}, {"side", false},
+static const esk_column neighbour_columns[] = {{"#", true}, {"name", false}, {"class", false}, {"side", false},
 	{"subject", false}, {"distance", true}, {"chirality", false}, {"score", true}, {"id", false}};
 
 /* Whether the verdict agrees with what is recorded of the query. */
@@ -85,7 +85,8 @@ static void write_differences(const json_t *nearest, FILE *out)
 	fputs("\nbeside ", out);
 	esk_table_write_plain(out, esk_report_member(nearest, "name"));
 	fputs(", matched class by class:\n", out);
-	json_array_foreach (differences, i, difference) {
+	json_array_foreach(differences, i, difference)
+	{
 		const char *text = json_string_value(json_object_get(difference, "text"));
 		if (!text)
 			continue;

@@ -20,17 +20,44 @@ static void add_row(esk_table *table, const json_t *shape, const char *source)
 	esk_report_number(table, shape, "levels", 0);
 }
 
-static void write_warnings(const json_t *shape, const char *source, FILE *out)
+/* Counts a shape's warnings in seen: the text, then how often it was seen and the first that it was said of. */
+static bool collect_warnings(const json_t *shape, const char *source, json_t *seen)
 {
 	size_t i;
 	json_t *warning;
+	bool whole = true;
+	const char *name = json_string_value(json_object_get(shape, "name"));
 	json_array_foreach(json_object_get(shape, "warnings"), i, warning)
 	{
-		const char *name = json_string_value(json_object_get(shape, "name"));
+		const char *text = esk_report_member(warning, "text");
+		json_t *count = json_array_get(json_object_get(seen, text), 0);
+		if (count)
+			whole = !json_integer_set(count, json_integer_value(count) + 1) && whole;
+		else
+			whole = !json_object_set_new(seen, text,
+					json_pack("[i, o]", 1, json_string_nocheck(name && *name ? name : source))) &&
+				whole;
+	}
+	return whole;
+}
+
+/* A volume's warning is one of each of its labels: it is said once. */
+static void write_warnings(json_t *seen, FILE *out)
+{
+	const char *text;
+	json_t *entry;
+	fputs(json_object_size(seen) > 0 ? "\n" : "", out);
+	json_object_foreach(seen, text, entry)
+	{
+		json_int_t count = json_integer_value(json_array_get(entry, 0));
 		fputs("warning: ", out);
-		esk_table_write_plain(out, name && *name ? name : source);
-		fputs(": ", out);
-		esk_table_write_plain(out, esk_report_member(warning, "text"));
+		if (count == 1) {
+			esk_table_write_plain(out, json_string_value(json_array_get(entry, 1)));
+			fputs(": ", out);
+		} else {
+			fprintf(out, "%lld shapes: ", (long long)count);
+		}
+		esk_table_write_plain(out, text);
 		fputc('\n', out);
 	}
 }
@@ -38,25 +65,27 @@ static void write_warnings(const json_t *shape, const char *source, FILE *out)
 bool esk_report_shapes(const json_t *answers, FILE *out, bool colour)
 {
 	size_t i, j;
-	json_t *entry, *shape;
+	json_t *entry, *shape, *warnings = json_object();
 	const char *next = NULL;
+	bool whole = warnings;
 	esk_table *table = esk_table_new(columns, sizeof columns / sizeof *columns);
 	json_array_foreach(answers, i, entry)
 	{
+		const char *source = esk_report_member(entry, "source");
 		json_t *answer = json_object_get(entry, "answer");
 		json_array_foreach(json_object_get(answer, "shapes"), j, shape)
-			add_row(table, shape, esk_report_member(entry, "source"));
+		{
+			add_row(table, shape, source);
+			whole = whole && collect_warnings(shape, source, warnings);
+		}
 		next = json_string_value(json_object_get(answer, "next"));
 	}
-	bool whole = esk_table_write(table, out, colour);
+	whole = esk_table_write(table, out, colour) && whole;
 	esk_table_free(table);
-	json_array_foreach(answers, i, entry)
-	{
-		json_array_foreach(json_object_get(json_object_get(entry, "answer"), "shapes"), j, shape)
-			write_warnings(shape, esk_report_member(entry, "source"), out);
-	}
+	write_warnings(warnings, out);
+	json_decref(warnings);
 	if (next) {
-		fputs("more follow: add --cursor ", out);
+		fputs("\nmore follow: add --cursor ", out);
 		esk_table_write_plain(out, next);
 		fputc('\n', out);
 	}
@@ -79,9 +108,9 @@ bool esk_report_shape(const json_t *answers, FILE *out, bool colour)
 {
 	static const esk_column members[] = {{"member", false}, {"value", false}};
 	size_t i;
-	json_t *entry, *value;
+	json_t *entry, *value, *warnings = json_object();
 	const char *member;
-	bool whole = true;
+	bool whole = warnings;
 	json_array_foreach(answers, i, entry)
 	{
 		json_t *shape = json_object_get(entry, "answer");
@@ -93,7 +122,9 @@ bool esk_report_shape(const json_t *answers, FILE *out, bool colour)
 		}
 		whole = esk_table_write(table, out, colour) && whole;
 		esk_table_free(table);
-		write_warnings(shape, esk_report_member(entry, "source"), out);
+		whole = whole && collect_warnings(shape, esk_report_member(entry, "source"), warnings);
 	}
+	write_warnings(warnings, out);
+	json_decref(warnings);
 	return whole;
 }

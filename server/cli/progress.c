@@ -15,13 +15,6 @@ static double seconds_since(const struct timespec *then)
 	return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
 }
 
-/* The name without its folders. */
-static const char *short_name(const char *path)
-{
-	const char *slash = strrchr(path, '/');
-	return slash && slash[1] ? slash + 1 : path;
-}
-
 /* At most limit bytes of text, no UTF-8 character cut. */
 static int whole_characters(const char *text, size_t limit)
 {
@@ -43,11 +36,11 @@ static void draw(esk_progress *progress, double fraction, const char *doing)
 {
 	char bar[bar_width + 1], line[256];
 	double whole = ((double)progress->item - 1 + fraction) / (double)progress->items;
-	int filled = (int)(whole * bar_width);
+	int filled = whole < 1 ? (int)(whole * bar_width) : bar_width;
 	memset(bar, '.', bar_width);
 	memset(bar, '#', (size_t)filled);
 	bar[bar_width] = '\0';
-	const char *name = short_name(progress->name);
+	const char *name = basename(progress->name);
 	snprintf(line, sizeof line, "[%s] %zu of %zu  %.*s  %s", bar, progress->item, progress->items,
 		whole_characters(name, name_width), name, doing);
 	fprintf(stderr, "\r%.*s\033[K", whole_characters(line, terminal_width() - 1), line);
@@ -79,7 +72,8 @@ void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total)
 	if (sent < total)
 		snprintf(doing, sizeof doing, "sending %.1f of %.1f MB", 1e-6 * (double)sent, 1e-6 * (double)total);
 	else
-		snprintf(doing, sizeof doing, "computing %.0f s", seconds_since(&progress->started));
+		snprintf(doing, sizeof doing, "%s %.0f s", total > 0 ? "computing" : "waiting",
+			seconds_since(&progress->started));
 	draw(progress, total > 0 ? (double)sent / (double)total : 0, doing);
 }
 

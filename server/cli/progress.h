@@ -20,7 +20,8 @@ void esk_progress_begin(esk_progress *progress, bool quiet, size_t items);
 /* The next item. Borrows its name until esk_progress_end. */
 void esk_progress_next(esk_progress *progress, const char *name);
 
-/* Part of the item is sent; once all is (sent == total), the other side computes. Cheap to call often. */
+/* Part of the item is sent; once all is (sent == total), the other side computes. 0 of 0 while
+ * nothing is known. Cheap to call often. */
 void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total);
 
 /* So many of the item's steps are computed here. */

@@ -91,7 +91,7 @@ esk_outcome esk_session_send(esk_session *session, const esk_request *request, c
 
 esk_outcome esk_session_take(esk_session *session, const char *source, const char *json, size_t size)
 {
-	switch (eskel_report_add(session->report, source, json, size)) {
+	switch (eskel_report_add(session->report, basename(source), json, size)) {
 	case ESKEL_OK:
 		break;
 	case ESKEL_NO_MEMORY:

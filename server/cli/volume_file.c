@@ -49,15 +49,15 @@ esk_outcome esk_volume_file_read(const char *path, const esk_arguments *argument
 {
 	eskel_volume *made = NULL;
 	size_t count = 0;
-	esk_outcome outcome = ESK_REFUSED;
+	esk_outcome outcome;
 	int32_t *labels = calloc(arguments->given_count + 1, sizeof *labels);
-	FILE *file = fopen(path, "re");
-	if (!file)
-		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
-	else if (!labels)
+	FILE *file = NULL;
+	if (!labels)
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	else
 		outcome = read_labels(arguments, labels, &count);
+	if (!outcome && !(file = fopen(path, "re")))
+		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
 	const eskel_volume_options options = {.labels = count > 0 ? labels : NULL, .label_count = count};
 	if (!outcome && eskel_volume_new(&options, &made))
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");

@@ -88,15 +88,15 @@ static void control_characters_cannot_reach_the_terminal(void **state)
 	eskel_report_free(report);
 }
 
-static void a_warning_is_a_line_below_the_table(void **state)
+static void a_warning_stands_once_below_the_table(void **state)
 {
 	(void)state;
 	eskel_report *report = report_of(ESKEL_REPORT_SHAPES);
 	add(report, "a.nii",
-		"{\"shapes\":[{\"id\":\"1\",\"name\":\"talus\",\"warnings\":[{\"code\":\"few_voxels\",\"text\":\"only "
-		"3 voxels\"}]}]}");
+		"{\"shapes\":[{\"id\":\"1\",\"name\":\"talus\",\"warnings\":[{\"text\":\"mm is assumed\"},"
+		"{\"text\":\"only 3 voxels\"}]},{\"id\":\"2\",\"warnings\":[{\"text\":\"mm is assumed\"}]}]}");
 	char *text = eskel_report_text(report, false);
-	assert_non_null(strstr(text, "\nwarning: talus: only 3 voxels\n"));
+	assert_non_null(strstr(text, "\n\nwarning: 2 shapes: mm is assumed\nwarning: talus: only 3 voxels\n"));
 	free(text);
 	eskel_report_free(report);
 }
@@ -130,7 +130,7 @@ static void one_shape_is_shown_member_by_member(void **state)
 
 #define NEIGHBOUR \
 	"{\"id\":\"77\",\"name\":\"femur_right\",\"class\":\"femur\",\"side\":\"right\",\"subject\":\"VHM\"," \
-	"\"differences\":[{\"class\":0,\"text\":null},{\"class\":1,\"text\":\"class 1: 12 % longer\"}],"             \
+	"\"differences\":[{\"class\":0,\"text\":null},{\"class\":1,\"text\":\"class 1: 12 % longer\"}]," \
 	"\"distance\":0.12345,\"chirality\":{\"verdict\":\"mirrored\",\"score\":-0.456}}"
 
 static const char wrong_label[] =
@@ -184,7 +184,7 @@ static void a_matrix_has_one_numbered_column_a_row(void **state)
 	eskel_report *report = report_of(ESKEL_REPORT_DISTANCES);
 	add(report, "", "{\"ids\":[\"11\",\"22\"],\"names\":[\"talus\",null],\"distances\":[[0,1.5],[1.5,0]]}");
 	assert_text(report, false,
-		"   name       1      2\n"
+		"#  name       1      2\n"
 		"1  talus  0.000  1.500\n"
 		"2  22     1.500  0.000\n");
 	eskel_report_free(report);
@@ -236,7 +236,7 @@ int main(void)
 		cmocka_unit_test(a_report_without_answers_is_empty),
 		cmocka_unit_test(an_answer_of_another_kind_is_refused),
 		cmocka_unit_test(control_characters_cannot_reach_the_terminal),
-		cmocka_unit_test(a_warning_is_a_line_below_the_table),
+		cmocka_unit_test(a_warning_stands_once_below_the_table),
 		cmocka_unit_test(the_cursor_of_a_longer_list_is_told),
 		cmocka_unit_test(one_shape_is_shown_member_by_member),
 		cmocka_unit_test(a_recognition_says_class_side_and_whether_the_label_agrees),

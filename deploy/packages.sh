@@ -1,0 +1,34 @@
+#!/bin/sh
+# Installs the Debian packages that eskel needs: sh deploy/packages.sh SET...
+#   build   to build and run it
+#   trial   for the quick start: real anatomy, and a way to look at answers
+#   test    for tests/run.sh: the second compiler, the test library and the oracles in Python
+# Says nothing and needs no rights when all are there.
+set -eu
+
+build='build-essential cmake ninja-build pkg-config python3 python3-yaml libsqlite3-dev libmicrohttpd-dev libjansson-dev
+	liblapacke-dev zlib1g-dev libcurl4-gnutls-dev nettle-dev'
+trial='mricron-data curl'
+test='clang libclang-rt-14-dev libcmocka-dev mricron-data curl python3-numpy python3-scipy python3-nibabel
+	python3-jsonschema'
+
+missing=
+for set in "$@"; do
+	case $set in
+	build) packages=$build ;;
+	trial) packages=$trial ;;
+	test) packages=$test ;;
+	*) echo "packages.sh: $set is none of build, trial, test" >&2; exit 2 ;;
+	esac
+	for package in $packages; do
+		[ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing="$missing $package"
+	done
+done
+[ "$missing" ] || exit 0
+
+echo "Installing:$missing"
+root=
+[ "$(id -u)" -eq 0 ] || root=sudo
+$root apt-get update -qq
+# shellcheck disable=SC2086 # a list of words
+$root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing

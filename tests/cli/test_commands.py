@@ -1,0 +1,206 @@
+"""Every command against a server: what it answers, and with which exit code."""
+import json
+import subprocess
+import unittest
+
+import numpy
+
+from support import ESKELD, Served, ball, hook, side_by_side, write_nifti
+
+TABLE = "label,name,class,side\n1,hook_left,hook,left\n2,hook_right,hook,right\n3,ball,ball,none\n"
+
+
+class Commands(Served):
+    """A library of a hook, its mirror image and a ball."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.volume, cls.table = cls.path("hooks.nii.gz"), cls.write("labels.csv", TABLE)
+        write_nifti(cls.volume, side_by_side(hook(), hook()[::-1], ball(9)))
+        cls.enrolled = cls.eskel("enroll", cls.volume, "--labels", cls.table, "--subject", "S1")
+        cls.ids = {row["name"]: row["id"] for row in cls.rows(cls.enrolled)}
+
+    def test_enrolled_shapes_have_the_names_of_the_table(self):
+        rows = self.rows(self.enrolled)
+        self.assertEqual([(r["label"], r["name"], r["class"], r["side"], r["subject"]) for r in rows],
+                         [("1", "hook_left", "hook", "left", "S1"), ("2", "hook_right", "hook", "right", "S1"),
+                          ("3", "ball", "ball", "none", "S1")])
+        self.assertEqual(rows[0]["voxels"], str(int(hook().sum())))
+
+    def test_enrolling_again_gives_the_same_shapes(self):
+        again = self.eskel("enroll", self.volume)
+        self.assertEqual({row["name"]: row["id"] for row in self.rows(again)}, self.ids)
+
+    def test_of_several_files_the_bad_ones_are_told_and_the_others_enrolled(self):
+        text = self.write("text.nii", "no volume")
+        run = self.eskel("enroll", "/nonexistent.nii", text, self.volume, "--json")
+        self.assertEqual(run.returncode, 2)
+        self.assertEqual(len(json.loads(run.stdout)["shapes"]), 3)
+        self.assertIn("eskel: /nonexistent.nii: No such file or directory\n", run.stderr)
+        self.assertRegex(run.stderr, rf"(?m)^eskel: {text}: \S.*$")
+
+    def test_what_the_server_refuses_is_exit_code_1_with_its_reason(self):
+        for arguments, said in (
+            (["enroll", self.write("empty.nii", "")], "empty.nii: "),
+            (["enroll", self.volume, "--side", "up"], "up"),
+            (["enroll", self.volume, "--label", "9"], "9"),
+            (["recognize", self.volume, "--mode", "psychic"], "psychic"),
+            (["recognize", "0" * 32], "0" * 32),
+            (["show", "0" * 32], "0" * 32),
+            (["show", "not/an?id"], "not/an?id"),
+            (["distances", "0" * 32], "0" * 32),
+            (["show", "--cursor", "nonsense"], "nonsense"),
+        ):
+            with self.subTest(arguments):
+                self.assert_run(self.eskel(*arguments), 1, said)
+
+    def test_a_folder_is_no_volume(self):
+        self.assert_run(self.eskel("enroll", self.folder), 2, "it is not a file")
+
+    def test_a_volume_can_come_through_a_pipe(self):
+        with subprocess.Popen(["cat", self.volume], stdout=subprocess.PIPE) as cat:
+            run = self.eskel("enroll", "/dev/stdin", "--quiet", stdin=cat.stdout)
+        self.assertEqual([row["id"] for row in self.rows(run)], list(self.ids.values()))
+
+    def test_a_stored_shape_is_recognized_by_its_mirrored_twin(self):
+        row, = self.rows(self.eskel("recognize", self.ids["hook_left"], "--class", "hook"))
+        self.assertEqual((row["query"], row["nearest"], row["chirality"]), ("hook_left", "hook_right", "mirrored"))
+        self.assertEqual((row["class"], row["side"], row["agrees"]), ("hook", "left", "yes"))
+        self.assertLess(float(row["score"]), 0)
+
+    def test_a_wrong_label_is_found(self):
+        wrong = self.write("wrong.csv", TABLE.replace("hook_left,hook,left", "hook_right,hook,right"))
+        run = self.eskel("recognize", self.volume, "--labels", wrong, "--label", 1)
+        row, = self.rows(run)
+        self.assertEqual((row["query"], row["side"], row["agrees"]), ("hook_right", "left", "no"))
+
+    def test_an_unnamed_object_goes_by_its_file_and_label(self):
+        rows = self.rows(self.eskel("recognize", self.volume))
+        self.assertEqual([row["query"] for row in rows], [f"hooks.nii.gz:{n}" for n in (1, 2, 3)])
+        self.assertEqual([row["nearest"] for row in rows], list(self.ids))
+
+    def test_explain_says_what_differs(self):
+        run = self.eskel("recognize", self.ids["hook_left"], "--explain")
+        self.assertIn("\nbeside hook_right, matched class by class:\n", run.stdout)
+
+    def test_nothing_to_recognize_it_by_is_exit_code_1(self):
+        for options in ([], ["--json"]):
+            run = self.eskel("recognize", self.volume, "--not-subject", "S1", *options)
+            self.assertEqual((run.returncode, run.stderr), (1, ""))
+            self.assertTrue(run.stdout)
+
+    def test_json_is_the_servers_answer_a_line_each(self):
+        run = self.eskel("recognize", *self.ids.values(), "--json", "--quiet")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        names = [json.loads(line)["results"][0]["query"]["name"] for line in run.stdout.splitlines()]
+        self.assertEqual(names, list(self.ids))
+        for arguments, member in ((["show"], "shapes"), (["show", self.ids["ball"]], "id"), (["distances"], "ids")):
+            self.assertIn(member, json.loads(self.eskel(*arguments, "--json").stdout))
+
+    def test_the_matrix_is_symmetric_with_a_zero_diagonal(self):
+        rows = self.rows(self.eskel("distances", *self.ids.values()))
+        matrix = numpy.array([[float(row[str(n)]) for n in (1, 2, 3)] for row in rows])
+        self.assertEqual([row["name"] for row in rows], list(self.ids))
+        self.assertTrue((matrix == matrix.T).all() and (matrix.diagonal() == 0).all(), matrix)
+        self.assertGreater(matrix[0, 2], matrix[0, 1])
+
+    def test_csv_passes_through(self):
+        run = self.eskel("distances", "--class", "hook", "--csv")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        heading, *rows = [line.split(",") for line in run.stdout.splitlines()]
+        self.assertEqual(heading, ["id", "name", self.ids["hook_left"], self.ids["hook_right"]])
+        self.assertEqual([row[0] for row in rows], heading[2:])
+
+    def test_the_list_is_filtered_and_paged(self):
+        self.assertEqual(len(self.rows(self.eskel("show"))), 3)
+        row, = self.rows(self.eskel("show", "--class", "hook", "--side=right"))
+        self.assertEqual(row["name"], "hook_right")
+        first = self.eskel("show", "--limit", 2)
+        self.assertEqual(len(self.rows(first)), 2)
+        cursor = first.stdout.split("--cursor ")[1].strip()
+        row, = self.rows(self.eskel("show", "--limit", 2, "--cursor", cursor))
+        self.assertEqual(row["name"], "ball")
+
+    def test_an_empty_list_is_no_failure(self):
+        run = self.eskel("show", "--class", "unicorn")
+        self.assertEqual((run.returncode, run.stdout, run.stderr), (0, "", ""))
+
+    def test_one_shape_is_shown_in_full(self):
+        run = self.eskel("show", self.ids["hook_left"])
+        self.assertRegex(run.stdout, rf"(?m)^id +{self.ids['hook_left']}$")
+        self.assertRegex(run.stdout, r"(?m)^subject +S1$")
+
+    def test_the_skeleton_computed_here_is_the_servers(self):
+        here = self.eskel("skeleton", self.volume, "--label", 1, "--json")
+        url = f"{self.url}/shapes/{self.ids['hook_left']}/skeleton"
+        there = subprocess.run(["curl", "--silent", "--fail", url], capture_output=True, check=True)
+        self.assertEqual(json.loads(here.stdout), json.loads(there.stdout))
+
+    def test_a_proxy_does_not_stand_between_this_machine_and_itself(self):
+        run = self.eskel("show", environment={"http_proxy": "http://127.0.0.1:9", "all_proxy": "http://127.0.0.1:9"})
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_a_url_may_end_in_a_slash(self):
+        self.assertEqual(self.eskel("show", "--server", self.url + "/").returncode, 0)
+
+    def test_what_is_no_eskeld_is_exit_code_3(self):
+        self.assert_run(self.eskel("show", "--server", self.url + "/healthz#"), 3, "is not one of eskeld's")
+
+
+class Tables(Served):
+    def test_tables_may_be_quoted_reordered_and_come_from_a_spreadsheet(self):
+        volume = self.path("balls.nii")
+        write_nifti(volume, side_by_side(ball(5), ball(6), ball(7)))
+        table = self.write("table.csv", '\ufeffSide,notes,Name,label\r\nL,"a, ""b""","ball, the ""first"" & only",1\r\n\r\n'
+                                        'right,"two\r\nlines",größe,2\r\nNONE,,"",3')
+        rows = self.rows(self.eskel("enroll", volume, "--labels", table, "--class", "ball"))
+        self.assertEqual([(row["label"], row["name"], row["side"]) for row in rows],
+                         [("1", 'ball, the "first" & only', "left"), ("2", "größe", "right"), ("3", "balls.nii:3", "none")])
+        self.assertEqual({row["class"] for row in rows}, {"ball"})
+
+    def test_more_names_than_fit_one_request_are_posted_in_parts(self):
+        count, volume = 700, self.path("many.nii.gz")
+        labels = numpy.zeros((4 * count, 3, 3), numpy.int16)
+        for label in range(count):  # no two alike
+            labels[4 * label:4 * label + 3, :1 + label % 3, :] = label + 1
+            labels[4 * label + 1, 0, 0] = 0
+        write_nifti(volume, labels)
+        names = [f"a rather long name of object number {label}, so that many of them fill a request" for label in range(count)]
+        table = self.write("many.csv", "label,name,class,side\n" +
+                           "".join(f'{n + 1},"{name}",chip,left\n' for n, name in enumerate(names)))
+        run = self.eskel("enroll", volume, "--labels", table, "--levels", 1, "--json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        answers = [json.loads(line)["shapes"] for line in run.stdout.splitlines()]
+        self.assertGreater(len(answers), 1)
+        self.assertEqual([shape["label"] for shapes in answers for shape in shapes], list(range(1, count + 1)))
+        chosen = self.eskel("enroll", volume, "--labels", table, "--levels", 1, "--label", 700, "--label", 3)
+        self.assertEqual([row["label"] for row in self.rows(chosen)], ["3", "700"])
+
+
+class Tokens(Served):
+    """A server whose database has tokens."""
+
+    @classmethod
+    def before_start(cls):
+        made = subprocess.run([ESKELD, "token", "add", "reader", "--role", "read", "--database", cls.database],
+                              capture_output=True, text=True, check=True)
+        cls.token = made.stdout
+
+    def test_a_token_comes_from_a_file_only(self):
+        token = self.write("token", self.token)
+        self.assertEqual(self.eskel("show", "--token-file", token).returncode, 0)
+        self.assertEqual(self.eskel("show", environment={"ESKEL_TOKEN_FILE": token}).returncode, 0)
+
+    def test_a_wrong_token_is_refused(self):
+        self.assert_run(self.eskel("show", "--token-file", self.write("wrong", "0" * 64 + "\n")), 1, "shapes: ")
+
+    def test_a_reader_cannot_enroll(self):
+        volume = self.path("ball.nii")
+        write_nifti(volume, side_by_side(ball(5)))
+        token = self.write("token", self.token)
+        self.assert_run(self.eskel("enroll", volume, "--token-file", token), 1, "ball.nii: ")
+
+
+if __name__ == "__main__":
+    unittest.main()
