@@ -6,8 +6,8 @@
 static const esk_column level_columns[] = {{"level", true}, {"intraclass ratio", true}, {"split class", true},
 	{"split ratio", true}, {"degenerate", false}};
 
-static const esk_column class_columns[] = {{"class", true}, {"voxels", true}, {"x mm", true},
-	{"y mm", true}, {"z mm", true}, {"√λ1 mm", true}, {"√λ2 mm", true}, {"√λ3 mm", true}, {"ρ mm", true}};
+static const esk_column class_columns[] = {{"class", true}, {"voxels", true}, {"x mm", true}, {"y mm", true},
+	{"z mm", true}, {"√λ1 mm", true}, {"√λ2 mm", true}, {"√λ3 mm", true}, {"ρ mm", true}};
 
 static void add_level(esk_table *table, const json_t *level)
 {
