@@ -14,6 +14,8 @@
  */
 #include "orientation.h"
 
+#include "elementary.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -35,7 +37,7 @@ static void round_linear_part(eskel_affine *affine)
 	for (int c = 0; c < 3; c++) {
 		double largest = 0;
 		for (int r = 0; r < 3; r++) {
-			affine->m[r][c] = (float)affine->m[r][c];
+			affine->m[r][c] = esk_elementary_round_to_float(affine->m[r][c]);
 			largest = fmax(largest, fabs(affine->m[r][c]));
 		}
 		double spacing = ldexp(power_of_two_below(largest), -23); /* a float has 23 bits after the first */

@@ -33,14 +33,16 @@ static size_t cell(int x, int y, int z)
 /* Multiples of 1/64, so that flips and shifts of it are exact. Oblique, sheared, left-handed. */
 static const eskel_affine oblique = {{{0.75, 0.25, 0.125, -40.5}, {-0.25, 1.5, 0.25, 96.25}, {0.125, 0.25, -2, 7.75}}};
 
-/* Voxels in the inner 5 x 5 x 5 cells, so that the image can be shifted by up to 2. */
+/* Voxels in the inner 5 x 5 x 5 cells, so that the image can be shifted by up to 2. Every third image is sparse, with
+ * rows and slices that have no voxel. */
 static image random_image(uint64_t *seed, unsigned weights)
 {
+	unsigned sparse = random_number(seed) % 3 == 0;
 	image im = {.affine = oblique};
 	for (int z = 2; z < 7; z++)
 		for (int y = 2; y < 7; y++)
 			for (int x = 2; x < 7; x++)
-				if (random_number(seed) % 3)
+				if (random_number(seed) % 8 < (sparse ? 1 : 5))
 					im.weight[cell(x, y, z)] = 1 + random_number(seed) % weights;
 	im.weight[cell(4, 4, 4)] = weights;
 	return im;
@@ -248,7 +250,7 @@ static void the_affine_is_rounded_and_has_no_negative_zero(void **state)
 {
 	(void)state;
 	const eskel_run run = {3, 3, 4, 5};
-	const eskel_affine noisy = {{{-0.8, 1e-17, -0.0, 534.4}, {-1e-12, 0.8, 0, 1.0 / 3}, {0, -1e-17, 0.8, -0.0001}}};
+	const eskel_affine noisy = {{{-0.8, 1e-17, -0.0, 534.4}, {-1e-12, 0.8, 0, 0.3005}, {0, -1e-17, 0.8, -0.0001}}};
 	eskel_cloud *cloud = NULL;
 	assert_int_equal(eskel_cloud_new(&run, NULL, 1, &noisy, &cloud, NULL), ESKEL_OK);
 	for (int r = 0; r < 3; r++)
@@ -256,14 +258,16 @@ static void the_affine_is_rounded_and_has_no_negative_zero(void **state)
 			const double zero = 0, edge = (double)0.8f;
 			assert_memory_equal(&cloud->affine.m[r][c], r == c ? &edge : &zero, sizeof zero);
 		}
-	/* The largest entry is in [1/2, 1), so offsets are multiples of 1/2048. */
-	const double offset[3] = {534.4 - 2.4, 1.0 / 3 + 3.2, -0.0001 + 4};
-	for (int r = 0; r < 3; r++) {
-		double m = cloud->affine.m[r][3];
-		assert_true(m * 2048 == rint(m * 2048));
-		if (fabs(m - offset[r]) > 0.5 / 2048 + 1e-6)
-			fail_msg("offset %d is %.17g, expected about %.17g", r, m, offset[r]);
-	}
+	/* The largest entry is in [1/2, 1), so offsets are rounded to 1/2048. */
+	const double offset[3] = {534.4 - 3 * (double)0.8f, 0.3005 + 4 * (double)0.8f, -0.0001 + 5 * (double)0.8f};
+	for (int r = 0; r < 3; r++)
+		if (cloud->affine.m[r][3] != rint(offset[r] * 2048) / 2048)
+			fail_msg("offset %d is %.17g, expected %.17g", r, cloud->affine.m[r][3], offset[r]);
+	eskel_cloud_free(cloud);
+	const eskel_run at_origin = {0, 0, 0, 0};
+	const double zero = 0;
+	assert_int_equal(eskel_cloud_new(&at_origin, NULL, 1, &noisy, &cloud, NULL), ESKEL_OK);
+	assert_memory_equal(&cloud->affine.m[2][3], &zero, sizeof zero);
 	eskel_cloud_free(cloud);
 }
 
