@@ -1,0 +1,117 @@
+#!/bin/sh
+# The quick start: builds eskel, starts a server on this machine, stores real anatomy in it and recognises some of it.
+#
+#     sh deploy/quickstart.sh
+#
+# Needs Debian 12, git and apt (and sudo, unless run by root). Everything it makes is in build/: the programs, and in
+# build/quickstart the database and the server's log. Run again, it goes on with that database.
+set -eu
+
+cd "$(dirname "$0")/.."
+folder=build/quickstart
+atlases=/usr/share/mricron/templates
+
+# ---- build
+
+sh deploy/packages.sh build trial
+cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake --build build --target eskel eskeld
+
+# ---- start
+
+mkdir -p "$folder"
+if pid=$(cat "$folder/eskeld.pid" 2>/dev/null) && [ "$(cat "/proc/$pid/comm" 2>/dev/null)" = eskeld ]; then
+	echo "Stopping the server of the last quick start"
+	kill "$pid"
+	while [ -e "/proc/$pid" ]; do sleep 0.1; done
+fi
+
+start() { # PORT
+	nohup build/server/eskeld --database "$folder/shapes.db" --listen "127.0.0.1:$1" \
+		</dev/null >"$folder/url" 2>"$folder/log" &
+	pid=$!
+	echo $pid >"$folder/eskeld.pid"
+	tries=0
+	until [ -s "$folder/url" ]; do
+		tries=$((tries + 1))
+		[ $tries -lt 600 ] && kill -0 $pid 2>/dev/null || return 1
+		sleep 0.1
+	done
+}
+start 8467 || start 0 || { cat "$folder/log" >&2; exit 1; } # 0: any free port, when 8467 is taken
+
+ESKEL_SERVER=$(cat "$folder/url")
+export ESKEL_SERVER
+PATH=$PWD/build/server:$PATH
+
+# ---- enroll
+
+# "1 Precentral_L 2001" becomes "1,Precentral_L,Precentral,left"
+awk 'BEGIN { print "label,name,class,side" }
+	NF >= 2 { class = $2; side = "none" }
+	NF >= 2 && sub(/_L$/, "", class) { side = "left" }
+	NF >= 2 && sub(/_R$/, "", class) { side = "right" }
+	NF >= 2 { print $1 "," $2 "," class "," side }' "$atlases/aal.nii.txt" >"$folder/aal.csv"
+
+echo
+echo "Storing the brain regions of the AAL atlas"
+eskel enroll "$atlases/aal.nii.gz" --labels "$folder/aal.csv" --subject AAL >"$folder/aal.txt"
+echo "$(grep -c ' AAL ' "$folder/aal.txt") regions"
+
+bones=../shared/data
+if [ -f "$bones/manifest.csv" ]; then
+	echo "Storing the bones of $bones"
+	tail -n +2 "$bones/manifest.csv" | while IFS=, read -r file _ subject sex age class side _; do
+		eskel enroll "$bones/$file" --quiet --name "${subject}_${class}_$side" --class "$class" --side "$side" \
+			--subject "$subject" ${sex:+--sex "$sex"} ${age:+--age "$age"}
+	done >"$folder/bones.txt"
+	echo "$(grep -c '^[0-9a-f]\{32\}' "$folder/bones.txt") bones"
+fi
+
+# ---- recognise
+
+ids() { # TABLE NAME...: their ids in a table that enroll printed
+	table=$1
+	shift
+	for name; do
+		awk -v name="$name" '$2 == name { print $1 }' "$table"
+	done
+}
+
+cat <<'END'
+
+Four regions of another atlas (JHU), posted from a file. One name says the wrong side:
+END
+printf '%s\n' label,name 77,Caudate_L 78,Caudate_R 79,Putamen_R 80,Putamen_R >"$folder/jhu.csv"
+eskel recognize "$atlases/jhu189.nii.gz" --subject AAL --labels "$folder/jhu.csv" \
+	--label 77 --label 78 --label 79 --label 80
+
+cat <<'END'
+
+Stored regions, each compared with all others. The nearest is the twin, whose mirrored form gives the side:
+END
+# shellcheck disable=SC2046 # a list of ids
+eskel recognize --quiet $(ids "$folder/aal.txt" Caudate_L Putamen_R Thalamus_L Insula_R Cerebelum_Crus1_L)
+
+if [ -s "$folder/bones.txt" ]; then
+	echo
+	echo "Bones of one person, compared with those of other people:"
+	# shellcheck disable=SC2046
+	eskel recognize --quiet --not-subject VHF $(ids "$folder/bones.txt" \
+		VHF_talus_left VHF_calcaneus_right VHF_tibia_left VHF_patella_right VHF_navicular_left)
+fi
+
+# ---- go on
+
+cat <<END
+
+The server goes on: $ESKEL_SERVER   (open it in a browser)
+  database  $folder/shapes.db     log  $folder/log
+  stop it   kill \$(cat $folder/eskeld.pid)
+
+Next, for example:
+  export ESKEL_SERVER=$ESKEL_SERVER PATH=$PWD/build/server:\$PATH
+  eskel show --class hippocampus
+  eskel recognize YOUR_SEGMENTATION.nii.gz
+  eskel --help
+END
