@@ -4,6 +4,7 @@
 #include "request.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <sys/socket.h>
 
 static esk_connection *peer_of(struct MHD_Connection *connection)
@@ -25,11 +26,16 @@ static void on_connection(
 }
 
 /* The earliest callback of a request and the only one that sees its target as sent. What it returns becomes the
- * request's context. */
+ * request's context. The query is then cut off: libmicrohttpd would parse it into the connection's memory, and when that
+ * does not suffice 0.9.75 queues an error that it never sends. */
 static void *on_target(void *context, const char *target, struct MHD_Connection *connection)
 {
 	esk_connection *peer = peer_of(connection);
-	return peer ? esk_request_new(context, connection, peer, target) : NULL;
+	esk_request *request = peer ? esk_request_new(context, connection, peer, target) : NULL;
+	char *query = strchr(target, '?'); /* in the connection's read buffer */
+	if (query)
+		query[1] = '\0';
+	return request;
 }
 
 static enum MHD_Result on_request(void *context, struct MHD_Connection *connection, const char *url, const char *method,
