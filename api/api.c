@@ -23,13 +23,12 @@ static bool load_signature(void *context, int64_t key, const eskel_signature *si
 {
 	loader *loading = context;
 	const eskel_api_options *options = &loading->api->options;
-	loading->status = eskel_library_add(loading->api->library, key, signature);
-	if (loading->status != ESKEL_OK)
-		return false;
-	loading->loaded++;
-	if (options->loading && loading->loaded % LOADING_STEP == 0 &&
-		!options->loading(options->context, loading->loaded, loading->total))
+	bool told = options->loading && loading->loaded % LOADING_STEP == 0;
+	if (told && !options->loading(options->context, loading->loaded, loading->total))
 		loading->status = ESKEL_CANCELLED;
+	else
+		loading->status = eskel_library_add(loading->api->library, key, signature);
+	loading->loaded++;
 	return loading->status == ESKEL_OK;
 }
 

@@ -3,6 +3,8 @@
 #include "recognition.h"
 #include "shape_json.h"
 
+#include <math.h>
+
 /* Classes are explained at a level that a person can still look at. */
 #define EXPLAINED_LEVEL 10
 
@@ -19,7 +21,7 @@ static json_t *search_json(const esk_recognition *recognition, const esk_paramet
 		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)search->proven, "distance",
 		query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library", (json_int_t)search->library,
 		"compared", (json_int_t)search->compared, "kept", kept, "milliseconds",
-		esk_json_real(recognition->milliseconds));
+		esk_json_real(round(1e3 * recognition->milliseconds) / 1e3));
 }
 
 static json_t *chirality_json(const eskel_chirality *chirality)

@@ -22,7 +22,8 @@ typedef struct {
 	uint32_t most_labels;            /* in one request; default 1024 */
 	uint64_t most_distances;         /* cells of one matrix; default 4 million */
 	eskel_store_options store;
-	bool (*loading)(void *context, uint64_t loaded, uint64_t total); /* while the library fills; false stops */
+	/* Told now and then while the library fills; false stops, and open fails with ESKEL_STORE_INVALID. */
+	bool (*loading)(void *context, uint64_t loaded, uint64_t total);
 	void *context;
 } eskel_api_options;
 

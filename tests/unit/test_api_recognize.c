@@ -1,0 +1,273 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "api/client.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Two members of each of three families, all left; ids[family][member]. */
+static void enroll_left_bones(eskel_api *api, char ids[3][2][ESKEL_ID_SIZE])
+{
+	static const char *const classes[] = {"femur", "talus", "hamate"};
+	for (unsigned family = 0; family < 3; family++)
+		for (unsigned member = 0; member < 2; member++) {
+			char query[100];
+			snprintf(query, sizeof query, "name=%s_left&subject=S%u", classes[family], member);
+			enroll_blob(api, 5 * family + 3, member, 0, query, ids[family][member]);
+		}
+}
+
+static void a_stored_shape_is_recognised_by_the_others(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	for (unsigned family = 0; family < 3; family++) {
+		answer a = get(f->api, "/recognize?shape=%s", ids[family][0]);
+		assert_status(&a, 200);
+		assert_int_equal(json_array_size(at(&a, "results")), 1);
+		assert_string_equal(text_at(&a, "results.0.query.id"), ids[family][0]);
+		assert_int_equal(json_array_size(at(&a, "results.0.neighbours")), 5);
+		assert_string_equal(text_at(&a, "results.0.neighbours.0.id"), ids[family][1]);
+		assert_string_equal(text_at(&a, "results.0.neighbours.0.chirality.verdict"), "same");
+		assert_string_equal(text_at(&a, "results.0.verdict.class"), text_at(&a, "results.0.query.class"));
+		assert_string_equal(text_at(&a, "results.0.verdict.side"), "left");
+		assert_true(json_is_true(at(&a, "results.0.verdict.agrees")));
+		assert_true(number_at(&a, "results.0.search.library") == 5);
+		assert_string_equal(text_at(&a, "results.0.search.mode"), "pruned");
+		double distance = number_at(&a, "results.0.neighbours.0.distance");
+		double next = number_at(&a, "results.0.neighbours.1.distance");
+		assert_true(distance > 0 && distance < next);
+		assert_int_equal(json_array_size(at(&a, "results.0.neighbours.0.levels")), 16);
+		answer_free(&a);
+	}
+}
+
+static void a_wrong_side_is_told(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	/* the mirror image of a left femur is a right one; its label says left */
+	volume_file file = volume_of_family(3, 3, 1);
+	answer a = post_volume(f->api, &file, "/recognize?label.1.name=femur_left");
+	assert_status(&a, 200);
+	assert_string_equal(text_at(&a, "results.0.query.class"), "femur");
+	assert_string_equal(text_at(&a, "results.0.query.side"), "left");
+	assert_string_equal(text_at(&a, "results.0.verdict.class"), "femur");
+	assert_string_equal(text_at(&a, "results.0.verdict.side"), "right");
+	assert_true(json_is_false(at(&a, "results.0.verdict.agrees")));
+	assert_string_equal(text_at(&a, "results.0.neighbours.0.chirality.verdict"), "mirrored");
+	answer right = post_volume(f->api, &file, "/recognize?name=femur_right");
+	assert_true(json_is_true(at(&right, "results.0.verdict.agrees")));
+	answer unsaid = post_volume(f->api, &file, "/recognize");
+	assert_true(json_is_null(at(&unsaid, "results.0.verdict.agrees")));
+	answer_free(&a);
+	answer_free(&right);
+	answer_free(&unsaid);
+	volume_free(&file);
+}
+
+static void nothing_of_a_posted_volume_is_stored(void **state)
+{
+	api_fixture *f = *state;
+	char id[ESKEL_ID_SIZE];
+	volume_file file = volume_of_family(3, 0, 0);
+	answer empty = post_volume(f->api, &file, "/recognize?name=femur_left");
+	assert_status(&empty, 200);
+	assert_int_equal(json_array_size(at(&empty, "results.0.neighbours")), 0);
+	assert_null(text_at(&empty, "results.0.verdict.class"));
+	assert_true(json_is_null(at(&empty, "results.0.verdict.class_score")));
+	assert_null(text_at(&empty, "results.0.query.url"));
+	assert_null(text_at(&empty, "results.0.query.created"));
+	assert_int_equal(eskel_api_shape_count(f->api), 0);
+	answer list = get(f->api, "/shapes");
+	assert_int_equal(json_array_size(at(&list, "shapes")), 0);
+	/* Its id is the one that it gets when it is enrolled, and then it finds itself. */
+	enroll_blob(f->api, 3, 0, 0, "name=femur_left", id);
+	assert_string_equal(text_at(&empty, "results.0.query.id"), id);
+	answer found = post_volume(f->api, &file, "/recognize");
+	assert_string_equal(text_at(&found, "results.0.neighbours.0.id"), id);
+	assert_true(number_at(&found, "results.0.neighbours.0.distance") < 1e-6);
+	answer_free(&empty);
+	answer_free(&list);
+	answer_free(&found);
+	volume_free(&file);
+}
+
+static void each_label_has_a_result(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	blob blobs[2] = {blob_of_family(3, 0), blob_of_family(13, 0)};
+	blobs[1].label = 7;
+	blobs[1].centre[0] += 48;
+	volume_file file = volume_of_blobs(blobs, 2, 96);
+	answer a = post_volume(f->api, &file, "/recognize?limit=1");
+	assert_status(&a, 200);
+	assert_int_equal(json_array_size(at(&a, "results")), 2);
+	assert_int_equal(json_array_size(at(&a, "results.0.neighbours")), 1);
+	assert_string_equal(text_at(&a, "results.0.verdict.class"), "femur");
+	assert_true(number_at(&a, "results.1.query.label") == 7);
+	assert_string_equal(text_at(&a, "results.1.verdict.class"), "hamate");
+	answer one = post_volume(f->api, &file, "/recognize?label=7&limit=1");
+	assert_int_equal(json_array_size(at(&one, "results")), 1);
+	assert_true(json_equal(at(&one, "results.0.neighbours"), at(&a, "results.1.neighbours")));
+	answer_free(&a);
+	answer_free(&one);
+	volume_free(&file);
+}
+
+static void a_verdict_does_not_depend_on_the_limit(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	answer one = get(f->api, "/recognize?shape=%s&limit=1", ids[0][0]);
+	answer many = get(f->api, "/recognize?shape=%s&limit=100", ids[0][0]);
+	assert_int_equal(json_array_size(at(&one, "results.0.neighbours")), 1);
+	assert_int_equal(json_array_size(at(&many, "results.0.neighbours")), 5);
+	assert_true(json_equal(at(&one, "results.0.verdict"), at(&many, "results.0.verdict")));
+	assert_true(json_equal(at(&one, "results.0.neighbours.0"), at(&many, "results.0.neighbours.0")));
+	answer_free(&one);
+	answer_free(&many);
+}
+
+static void a_filter_chooses_what_is_compared(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	static const struct {
+		const char *query;
+		size_t count;
+	} cases[] = {
+		{"class=femur", 1},
+		{"class=talus", 2},
+		{"not.subject=S1", 2},
+		{"subject=S1&class=talus", 1},
+		{"side=right", 0},
+		{"q=hamate", 2},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		answer a = get(f->api, "/recognize?shape=%s&%s", ids[0][0], cases[i].query);
+		assert_status(&a, 200);
+		size_t count = json_array_size(at(&a, "results.0.neighbours"));
+		if (count != cases[i].count)
+			fail_msg("%s leaves %zu, expected %zu", cases[i].query, count, cases[i].count);
+		answer_free(&a);
+	}
+}
+
+static void a_filter_says_nothing_of_a_posted_label(void **state)
+{
+	api_fixture *f = *state;
+	volume_file file = volume_of_family(3, 0, 0);
+	answer a = post_volume(f->api, &file, "/recognize?class=femur&side=left&subject=S1&sex=F&attr.a=b");
+	assert_status(&a, 200);
+	static const char *const members[] = {"class", "side", "subject", "sex"};
+	for (size_t i = 0; i < 4; i++) {
+		char path[40];
+		snprintf(path, sizeof path, "results.0.query.%s", members[i]);
+		assert_null(text_at(&a, path));
+	}
+	assert_int_equal(json_object_size(at(&a, "results.0.query.attributes")), 0);
+	answer_free(&a);
+	volume_free(&file);
+}
+
+static void every_kind_of_distance_ranks_a_near_copy_first(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	static const char *const signatures[] = {"log", "paper"},
+				 *const distances[] = {"sum", "level", "level&level=4"},
+				 *const metrics[] = {"manhattan", "euclidean"}, *const sizes[] = {"fixed", "free"},
+				 *const modes[] = {"pruned", "exact"};
+	for (unsigned i = 0; i < 48; i++) {
+		answer a = get(f->api, "/recognize?shape=%s&signature=%s&distance=%s&metric=%s&size=%s&mode=%s",
+			ids[1][0], signatures[i & 1], distances[i / 16], metrics[i >> 1 & 1], sizes[i >> 2 & 1],
+			modes[i >> 3 & 1]);
+		assert_status(&a, 200);
+		assert_string_equal(text_at(&a, "results.0.neighbours.0.id"), ids[1][1]);
+		assert_string_equal(text_at(&a, "results.0.search.distance"), i / 16 ? "level" : "sum");
+		if (i >> 3 & 1)
+			assert_true(json_is_true(at(&a, "results.0.search.proven")));
+		answer_free(&a);
+	}
+}
+
+static void an_explanation_matches_classes_and_names_differences(void **state)
+{
+	api_fixture *f = *state;
+	char thin[ESKEL_ID_SIZE], thick[ESKEL_ID_SIZE];
+	enroll_blob(f->api, 3, 0, 0, "name=thin", thin);
+	enroll_blob(f->api, 11, 0, 0, "name=thick", thick);
+	answer a = get(f->api, "/recognize?shape=%s&explain=true", thick);
+	assert_status(&a, 200);
+	assert_true(number_at(&a, "results.0.neighbours.0.match.level") == 10);
+	json_t *pairs = at(&a, "results.0.neighbours.0.match.pairs"),
+	       *differences = at(&a, "results.0.neighbours.0.differences");
+	assert_int_equal(json_array_size(pairs), 10);
+	assert_int_equal(json_array_size(differences), 10);
+	unsigned matched = 0;
+	for (size_t i = 0; i < 10; i++) {
+		const json_t *pair = json_array_get(pairs, i), *difference = json_array_get(differences, i);
+		assert_int_equal(json_integer_value(json_array_get(pair, 0)), i);
+		matched |= 1u << json_integer_value(json_array_get(pair, 1));
+		assert_int_equal(json_integer_value(json_object_get(difference, "class")), i);
+		assert_true(json_equal(json_object_get(difference, "other"), json_array_get(pair, 1)));
+	}
+	assert_int_equal(matched, 0x3ff);
+	answer whole = get(f->api, "/recognize?shape=%s&explain=true&level=1", thick);
+	const char *text = text_at(&whole, "results.0.neighbours.0.differences.0.text");
+	assert_non_null(text);
+	assert_memory_equal(text, "class 0: ", 9);
+	assert_non_null(strstr(text, " % wider"));
+	assert_true(number_at(&whole, "results.0.neighbours.0.match.level") == 1);
+	answer plain = get(f->api, "/recognize?shape=%s", thick);
+	assert_null(json_object_get(at(&plain, "results.0.neighbours.0"), "match"));
+	answer_free(&a);
+	answer_free(&whole);
+	answer_free(&plain);
+}
+
+static void a_deleted_shape_is_no_neighbour(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE], target[64];
+	enroll_left_bones(f->api, ids);
+	snprintf(target, sizeof target, "/shapes/%s", ids[0][1]);
+	answer gone = ask(f->api, &(question){.method = "DELETE", .target = target});
+	assert_status(&gone, 204);
+	answer a = get(f->api, "/recognize?shape=%s&mode=exact", ids[0][0]);
+	assert_status(&a, 200);
+	assert_null(strstr(a.body, ids[0][1]));
+	assert_int_equal(json_array_size(at(&a, "results.0.neighbours")), 4);
+	answer_free(&gone);
+	answer_free(&a);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		api_test(a_stored_shape_is_recognised_by_the_others),
+		api_test(a_wrong_side_is_told),
+		api_test(nothing_of_a_posted_volume_is_stored),
+		api_test(each_label_has_a_result),
+		api_test(a_verdict_does_not_depend_on_the_limit),
+		api_test(a_filter_chooses_what_is_compared),
+		api_test(a_filter_says_nothing_of_a_posted_label),
+		api_test(every_kind_of_distance_ranks_a_near_copy_first),
+		api_test(an_explanation_matches_classes_and_names_differences),
+		api_test(a_deleted_shape_is_no_neighbour),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
