@@ -9,7 +9,9 @@
 
 static void append_json_string(esk_text *text, const char *string)
 {
-	char *quoted = json_dumps(string ? json_string(string) : json_null(), JSON_ENCODE_ANY);
+	json_t *value = string ? json_string(string) : json_null();
+	char *quoted = json_dumps(value, JSON_ENCODE_ANY);
+	json_decref(value);
 	if (quoted)
 		esk_text_append(text, quoted, strlen(quoted));
 	else
