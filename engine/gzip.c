@@ -1,7 +1,14 @@
-/* A gzip stream inflated as it arrives (RFC 1952): up to 1024 members, as parallel compressors write them, each with
- * its checksum and size verified by zlib. What follows the last member must be nothing. */
+/* A gzip stream inflated as it arrives (RFC 1952): up to 1024 members, as parallel compressors write them. What follows
+ * the last member must be nothing.
+ *
+ * zlib's checksum takes as long as its inflating, so the checksum is ours (crc32.h): once a member's header is read and
+ * verified, zlib is told not to check. It still takes the member's last eight bytes, checksum and size, so the last
+ * bytes that it took are kept, and compared at the member's end.
+ */
 #include "gzip.h"
 
+#include "bytes.h"
+#include "crc32.h"
 #include "error.h"
 #include "memory.h"
 
@@ -9,10 +16,15 @@
 #include <stdlib.h>
 #include <zlib.h>
 
+enum { trailer_size = 8 };
+
 struct esk_gzip {
 	z_stream stream;
+	gz_header header; /* of the member; only done is of interest */
 	unsigned members;
 	bool inside; /* of a member */
+	uint32_t crc, size;
+	uint8_t last[trailer_size]; /* bytes taken */
 };
 
 static const unsigned most_members = 1024;
@@ -46,22 +58,47 @@ static eskel_status begin_member(esk_gzip *g, uint8_t first_byte, eskel_error *e
 		return esk_error_set(error, ESKEL_TOO_LARGE, "the gzip data has more than %u members", most_members);
 	g->members++;
 	g->inside = true;
+	g->crc = 0;
+	g->size = 0;
 	inflateReset(&g->stream);
+	inflateValidate(&g->stream, 1);
+	inflateGetHeader(&g->stream, &g->header);
 	return ESKEL_OK;
 }
 
-static eskel_status check_result(int result, const esk_gzip *g, eskel_error *error)
+static eskel_status end_member(esk_gzip *g, eskel_error *error)
+{
+	uint32_t crc = esk_bytes_get_u32(g->last), size = esk_bytes_get_u32(g->last + 4);
+	g->inside = false;
+	if (crc != g->crc)
+		return esk_error_set(error, ESKEL_MALFORMED,
+			"the gzip data is damaged: its checksum is %08x, expected %08x", g->crc, crc);
+	if (size != g->size)
+		return esk_error_set(
+			error, ESKEL_MALFORMED, "the gzip data is damaged: its size is %u, expected %u", g->size, size);
+	return ESKEL_OK;
+}
+
+static eskel_status check_result(int result, esk_gzip *g, eskel_error *error)
 {
 	switch (result) {
 	case Z_OK:
-	case Z_STREAM_END:
 		return ESKEL_OK;
+	case Z_STREAM_END:
+		return end_member(g, error);
 	case Z_MEM_ERROR:
 		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out while inflating");
 	default:
 		return esk_error_set(error, ESKEL_MALFORMED, "the gzip data is damaged: %s",
 			g->stream.msg ? g->stream.msg : "unknown fault");
 	}
+}
+
+static void keep_last(esk_gzip *g, const uint8_t *taken, size_t size)
+{
+	size_t fresh = size < trailer_size ? size : trailer_size;
+	memmove(g->last, g->last + fresh, trailer_size - fresh);
+	memcpy(g->last + trailer_size - fresh, taken + size - fresh, fresh);
 }
 
 static uInt clamp(size_t size)
@@ -84,14 +121,18 @@ eskel_status esk_gzip_inflate(esk_gzip *g, const uint8_t **in, size_t *in_size, 
 		g->stream.avail_in = in_before;
 		g->stream.next_out = out + used;
 		g->stream.avail_out = out_before;
-		int result = inflate(&g->stream, Z_NO_FLUSH);
+		/* Z_BLOCK: return after the header. */
+		int result = inflate(&g->stream, g->header.done ? Z_NO_FLUSH : Z_BLOCK);
 		uInt taken = in_before - g->stream.avail_in, written = out_before - g->stream.avail_out;
+		keep_last(g, *in, taken);
+		g->crc = esk_crc32(g->crc, out + used, written);
+		g->size += written;
+		if (g->header.done)
+			inflateValidate(&g->stream, 0);
 		*in += taken;
 		*in_size -= taken;
 		used += written;
-		if (result == Z_STREAM_END)
-			g->inside = false;
-		else if (result == Z_BUF_ERROR) /* nothing left to do with this input */
+		if (result == Z_BUF_ERROR) /* nothing left to do with this input */
 			break;
 		status = check_result(result, g, error);
 	}
