@@ -119,7 +119,7 @@ class Served(Folder):
         cls.daemon.stdout.close()
         if cls.daemon.wait(60):
             cls.log.seek(0)
-            raise AssertionError("eskeld ended badly: " + cls.log.read()[-2000:])
+            raise AssertionError("eskeld ended badly: " + cls.log.read()[-8000:])
 
     @classmethod
     def eskel(cls, *arguments, environment=None, stdin=None):

@@ -83,6 +83,7 @@ class Tables(Folder):
             ('label,name\n1,a"b\n', "line 2, column 2: a quote stands inside a field"),
             ('label,name\n1,"a"b\n', "line 2, column 2: expected a comma or the line's end"),
             ('label,name\n1,"a\nb"\nx,c\n', "line 4, column 1 (label)"),
+            ('la"bel\n', "line 1, column 1: a quote stands inside a field"),
             ("label,name\r1,a\r", "line 1, column 2: expected a comma or the line's end"),
             (",".join(["c"] * 65), "line 1, column 65: there are more than 64 columns"),
             (b"label\n1\0\n", "it is not a table of text"),
