@@ -82,8 +82,10 @@ static esk_outcome read_line(csv_reader *reader, const char *fields[most_columns
 		kind = *reader->next == '"' ? read_quoted(reader, &fields[read]) : read_plain(reader, &fields[read]);
 		read++;
 	}
+	if (kind == WRONG_FIELD)
+		return ESK_MISUSED;
 	*count = read == 1 && !*fields[0] ? 0 : read;
-	return kind == WRONG_FIELD ? ESK_MISUSED : ESK_DONE;
+	return ESK_DONE;
 }
 
 enum { LABEL, NAME, CLASS, SIDE, MEMBERS };
