@@ -1,0 +1,328 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "store_fixture.h"
+#include "store_sample.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A library in which every value of every field meets the others, and the filters that the tests ask; each answer is
+ * compared with a plain walk over all descriptions. */
+enum { library_size = 240 };
+
+static const char *const names[] = {NULL, "Left femur", "femur 100%", "FEMUR_x", "a_b", ""};
+static const char *const classes[] = {NULL, "femur", "tibia", "Talus"};
+static const char *const subjects[] = {NULL, "s1", "s2", "S1"};
+static const double ages[] = {NAN, 0, 30, 30.5, 80};
+static eskel_attribute site_1[] = {{"scanner", "ct"}, {"site", "1"}};
+static eskel_attribute site_2[] = {{"site", "2"}};
+
+static const struct {
+	size_t count;
+	eskel_attribute *attributes;
+} attribute_sets[] = {{0, NULL}, {2, site_1}, {1, site_2}};
+
+#define PICK(array, number) (array)[(number) % (sizeof(array) / sizeof((array)[0]))]
+
+static uint32_t random_number(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (uint32_t)(*state >> 33);
+}
+
+static eskel_description random_description(uint64_t *seed)
+{
+	uint32_t set = random_number(seed) % 3;
+	return (eskel_description){
+		.name = (char *)PICK(names, random_number(seed)),
+		.class = (char *)PICK(classes, random_number(seed)),
+		.subject = (char *)PICK(subjects, random_number(seed)),
+		.side = (eskel_side)(random_number(seed) % 4),
+		.sex = (eskel_sex)(random_number(seed) % 3),
+		.age = PICK(ages, random_number(seed)),
+		.attribute_count = attribute_sets[set].count,
+		.attributes = attribute_sets[set].attributes,
+	};
+}
+
+typedef struct {
+	store_fixture *store;
+	int64_t keys[library_size];
+	eskel_description descriptions[library_size];
+} library;
+
+static int set_up(void **state)
+{
+	library *l = calloc(1, sizeof *l);
+	store_set_up((void **)&l->store);
+	uint64_t seed = 7;
+	sample samples[library_size];
+	eskel_enrollment enrollments[library_size];
+	eskel_shape shapes[library_size];
+	bool created[library_size];
+	for (uint32_t i = 0; i < library_size; i++) {
+		l->descriptions[i] = random_description(&seed);
+		samples[i] = sample_new(i);
+		samples[i].description = l->descriptions[i];
+		enrollments[i] = sample_enrollment(&samples[i], 1);
+	}
+	assert_ok(
+		eskel_store_enroll(l->store->store, NULL, enrollments, library_size, shapes, created, &l->store->error),
+		l->store);
+	for (int i = 0; i < library_size; i++) {
+		l->keys[i] = shapes[i].key;
+		eskel_shape_clear(&shapes[i]);
+		sample_free(&samples[i]);
+	}
+	*state = l;
+	return 0;
+}
+
+static int tear_down(void **state)
+{
+	library *l = *state;
+	store_tear_down((void **)&l->store);
+	free(l);
+	return 0;
+}
+
+static bool equal(const char *wanted, const char *value)
+{
+	return !wanted || (value && strcmp(wanted, value) == 0);
+}
+
+static bool contains(const char *part, const char *text)
+{
+	size_t length = strlen(part);
+	for (; text && *text; text++)
+		if (strncasecmp(text, part, length) == 0)
+			return true;
+	return text && length == 0;
+}
+
+static bool has_attribute(const eskel_description *d, const eskel_attribute *wanted)
+{
+	for (size_t i = 0; i < d->attribute_count; i++)
+		if (strcmp(d->attributes[i].key, wanted->key) == 0)
+			return strcmp(d->attributes[i].value, wanted->value) == 0;
+	return false;
+}
+
+static bool accepts(const eskel_filter *f, const eskel_description *d)
+{
+	for (size_t i = 0; i < f->attribute_count; i++)
+		if (!has_attribute(d, &f->attributes[i]))
+			return false;
+	return equal(f->class, d->class) && equal(f->subject, d->subject) &&
+	       !(f->not_subject && d->subject && strcmp(f->not_subject, d->subject) == 0) &&
+	       (!f->side || f->side == d->side) && (!f->sex || f->sex == d->sex) &&
+	       (isnan(f->age_min) || d->age >= f->age_min) && (isnan(f->age_max) || d->age <= f->age_max) &&
+	       (!f->text || contains(f->text, d->name) || contains(f->text, d->class) || contains(f->text, d->subject));
+}
+
+static void assert_answer_is_that_of_a_plain_walk(library *l, const eskel_filter *f, int number)
+{
+	int64_t *keys = NULL;
+	size_t count = 0, expected = 0;
+	assert_ok(eskel_store_keys(l->store->store, f, &keys, &count, &l->store->error), l->store);
+	assert_non_null(keys);
+	for (int i = 0; i < library_size; i++) {
+		if (!accepts(f, &l->descriptions[i]))
+			continue;
+		if (expected >= count || keys[expected] != l->keys[i])
+			fail_msg("filter %d: key %d is missing or out of order", number, (int)l->keys[i]);
+		expected++;
+	}
+	if (count != expected)
+		fail_msg("filter %d: %zu keys, expected %zu", number, count, expected);
+	free(keys);
+}
+
+static eskel_filter random_filter(uint64_t *seed)
+{
+	static const char *const texts[] = {"femur", "FEMUR", "%", "_", "s1", "zzz", "100%"};
+	eskel_filter f = eskel_filter_none();
+	uint32_t which = random_number(seed);
+	if (which & 1)
+		f.class = PICK(classes, random_number(seed));
+	if (which & 2)
+		f.subject = PICK(subjects, random_number(seed));
+	if (which & 4)
+		f.not_subject = PICK(subjects, random_number(seed));
+	if (which & 8)
+		f.side = (eskel_side)(random_number(seed) % 4);
+	if (which & 16)
+		f.sex = (eskel_sex)(random_number(seed) % 3);
+	if (which & 32)
+		f.age_min = PICK(ages, random_number(seed));
+	if (which & 64)
+		f.age_max = PICK(ages, random_number(seed));
+	if (which & 128)
+		f.text = PICK(texts, random_number(seed));
+	uint32_t set = which & 256 ? random_number(seed) % 3 : 0;
+	f.attribute_count = attribute_sets[set].count;
+	f.attributes = attribute_sets[set].attributes;
+	return f;
+}
+
+static void a_thousand_random_filters_find_what_a_plain_walk_finds(void **state)
+{
+	uint64_t seed = 11;
+	for (int i = 0; i < 1000; i++) {
+		eskel_filter f = random_filter(&seed);
+		assert_answer_is_that_of_a_plain_walk(*state, &f, i);
+	}
+}
+
+static void each_condition_alone_finds_what_a_plain_walk_finds(void **state)
+{
+	eskel_filter f[10];
+	for (int i = 0; i < 10; i++)
+		f[i] = eskel_filter_none();
+	f[0].class = "femur";
+	f[1].subject = "s1";
+	f[2].not_subject = "s1";
+	f[3].side = ESKEL_SIDE_NONE;
+	f[4].sex = ESKEL_SEX_MALE;
+	f[5].age_min = 30.5;
+	f[6].age_max = 30;
+	f[7].text = "left F";
+	f[8].attribute_count = 2;
+	f[8].attributes = site_1;
+	f[9].text = "";
+	for (int i = 0; i < 10; i++) {
+		assert_false(eskel_filter_is_none(&f[i]));
+		assert_answer_is_that_of_a_plain_walk(*state, &f[i], i);
+	}
+}
+
+static void no_condition_finds_all(void **state)
+{
+	eskel_filter none = eskel_filter_none();
+	assert_true(eskel_filter_is_none(&none));
+	assert_answer_is_that_of_a_plain_walk(*state, &none, 0);
+}
+
+static void percent_and_underscore_in_a_text_are_themselves(void **state)
+{
+	library *l = *state;
+	eskel_filter f = eskel_filter_none();
+	f.text = "%";
+	int64_t *keys = NULL;
+	size_t count = 0, with_percent = 0;
+	assert_ok(eskel_store_keys(l->store->store, &f, &keys, &count, &l->store->error), l->store);
+	for (int i = 0; i < library_size; i++)
+		with_percent += l->descriptions[i].name && strchr(l->descriptions[i].name, '%');
+	assert_int_equal(count, with_percent);
+	assert_true(count < library_size);
+	free(keys);
+}
+
+static void no_answer_is_an_array_too(void **state)
+{
+	library *l = *state;
+	eskel_filter f = eskel_filter_none();
+	f.class = "no such class";
+	int64_t *keys = NULL;
+	size_t count = 9;
+	assert_ok(eskel_store_keys(l->store->store, &f, &keys, &count, &l->store->error), l->store);
+	assert_int_equal(count, 0);
+	assert_non_null(keys);
+	free(keys);
+}
+
+/* Pages through the list and counts; each page but the last is full. */
+static void walk_pages(library *l, const eskel_filter *f, size_t limit, const int64_t *keys, size_t count)
+{
+	size_t seen = 0;
+	int64_t after = 0;
+	for (bool more = true; more;) {
+		eskel_shape *shapes = NULL;
+		size_t page = 0;
+		assert_ok(eskel_store_list(l->store->store, f, after, limit, &shapes, &page, &more, &l->store->error),
+			l->store);
+		assert_true(more ? page == limit : page <= limit);
+		for (size_t i = 0; i < page; i++) {
+			assert_true(seen < count);
+			assert_int_equal(shapes[i].key, keys[seen++]);
+			assert_true(accepts(f, &shapes[i].description));
+			after = shapes[i].key;
+		}
+		eskel_shapes_free(shapes, page);
+	}
+	assert_int_equal(seen, count);
+}
+
+static void pages_of_any_size_join_to_the_whole_answer(void **state)
+{
+	library *l = *state;
+	uint64_t seed = 3;
+	for (int i = 0; i < 20; i++) {
+		eskel_filter f = i ? random_filter(&seed) : eskel_filter_none();
+		int64_t *keys = NULL;
+		size_t count = 0;
+		assert_ok(eskel_store_keys(l->store->store, &f, &keys, &count, &l->store->error), l->store);
+		const size_t limits[] = {1, 7, 60, library_size, 1000};
+		for (size_t j = 0; j < sizeof limits / sizeof limits[0]; j++)
+			walk_pages(l, &f, limits[j], keys, count);
+		free(keys);
+	}
+}
+
+static void a_shape_deleted_between_two_pages_shifts_nothing(void **state)
+{
+	library *l = *state;
+	store_fixture *s = l->store;
+	eskel_filter none = eskel_filter_none();
+	eskel_shape *first = NULL, *second = NULL;
+	size_t count = 0;
+	bool more;
+	int64_t key;
+	assert_ok(eskel_store_list(s->store, &none, 0, 10, &first, &count, &more, &s->error), s);
+	assert_ok(eskel_store_delete(s->store, NULL, first[4].id, 0, &key, &s->error), s);
+	assert_ok(eskel_store_delete(s->store, NULL, first[9].id, 0, &key, &s->error), s);
+	assert_ok(eskel_store_list(s->store, &none, first[9].key, 10, &second, &count, &more, &s->error), s);
+	assert_int_equal(second[0].key, l->keys[10]);
+	eskel_shapes_free(first, 10);
+	eskel_shapes_free(second, count);
+}
+
+static void a_filter_of_too_many_attributes_is_refused(void **state)
+{
+	library *l = *state;
+	eskel_attribute many[65];
+	for (int i = 0; i < 65; i++)
+		many[i] = site_2[0];
+	eskel_filter f = eskel_filter_none();
+	f.attributes = many;
+	int64_t *keys = NULL;
+	size_t count;
+	f.attribute_count = 64;
+	assert_ok(eskel_store_keys(l->store->store, &f, &keys, &count, &l->store->error), l->store);
+	free(keys);
+	f.attribute_count = 65;
+	assert_int_equal(eskel_store_keys(l->store->store, &f, &keys, &count, &l->store->error), ESKEL_STORE_INVALID);
+}
+
+int main(void)
+{
+#define library_test(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+	const struct CMUnitTest tests[] = {
+		library_test(a_thousand_random_filters_find_what_a_plain_walk_finds),
+		library_test(each_condition_alone_finds_what_a_plain_walk_finds),
+		library_test(no_condition_finds_all),
+		library_test(percent_and_underscore_in_a_text_are_themselves),
+		library_test(no_answer_is_an_array_too),
+		library_test(pages_of_any_size_join_to_the_whole_answer),
+		library_test(a_shape_deleted_between_two_pages_shifts_nothing),
+		library_test(a_filter_of_too_many_attributes_is_refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
