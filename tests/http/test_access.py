@@ -41,7 +41,7 @@ class OpenServer(unittest.TestCase):
             self.assertNotIn("access-control-allow-origin", self.daemon.get(path, headers=headers)[1])
 
     def test_every_answer_has_the_safety_headers(self):
-        answers = [self.daemon.get(path) for path in ("/", "/app.js", "/healthz", "/metrics", "/openapi.json", "/none")]
+        answers = [self.daemon.get(path) for path in ("/", "/page/app.js", "/healthz", "/metrics", "/openapi.json", "/none")]
         answers += [self.daemon.request("POST", "/shapes", b"junk"), self.daemon.request("FOO", "/"),
                     self.daemon.get("/%zz"), self.daemon.get("/healthz", headers={"Host": "evil.example"}),
                     self.daemon.get("/shapes", token="wrong")]
@@ -69,7 +69,7 @@ class Tokens(unittest.TestCase):
             self.assertEqual(daemon.get("/shapes", token=token)[0], 200)
             self.assertEqual(daemon.get("/metrics")[0], 401)
             self.assertEqual(daemon.get("/metrics", token=token)[0], 200)
-            for path in ("/", "/app.js", "/healthz", "/readyz", "/openapi.json"):
+            for path in ("/", "/page/app.js", "/healthz", "/readyz", "/openapi.json"):
                 self.assertEqual(daemon.get(path)[0], 200, path)
 
     def test_roles_include_those_below(self):

@@ -79,7 +79,7 @@ class Framing(unittest.TestCase):
 
     def test_paths_are_routed_exactly(self):
         for path in (b"/healthz/", b"//healthz", b"/./healthz", b"/shapes/../healthz", b"/HEALTHZ", b"/healthz%2f",
-                     b"/shapes/%2e%2e", b"/page/app.js", b"/../../etc/passwd"):
+                     b"/shapes/%2e%2e", b"/app.js", b"/page/../page/app.js", b"/../../etc/passwd"):
             self.answered(b"GET " + path + b" HTTP/1.1\r\n" + HOST + b"\r\n", 404)
 
     def test_other_methods_are_405_and_name_those_allowed(self):
