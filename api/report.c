@@ -110,11 +110,10 @@ size_t eskel_report_unrecognized(const eskel_report *report)
 {
 	size_t count = 0, i, j;
 	json_t *entry, *result;
-	json_array_foreach(report->answers, i, entry)
-	{
+	json_array_foreach (report->answers, i, entry) {
 		json_t *results = json_object_get(json_object_get(entry, "answer"), "results");
-		json_array_foreach(results, j, result) count +=
-			json_array_size(json_object_get(result, "neighbours")) == 0;
+		json_array_foreach (results, j, result)
+			count += json_array_size(json_object_get(result, "neighbours")) == 0;
 	}
 	return count;
 }

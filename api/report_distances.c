@@ -51,7 +51,7 @@ bool esk_report_distances(const json_t *answers, FILE *out, bool colour)
 	size_t i;
 	json_t *entry;
 	bool whole = true;
-	json_array_foreach(answers, i, entry) whole =
-		write_matrix(json_object_get(entry, "answer"), out, colour) && whole;
+	json_array_foreach (answers, i, entry)
+		whole = write_matrix(json_object_get(entry, "answer"), out, colour) && whole;
 	return whole;
 }

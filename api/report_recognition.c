@@ -57,7 +57,8 @@ static bool write_neighbours(const json_t *result, FILE *out, bool colour)
 	size_t i;
 	json_t *neighbour;
 	esk_table *table = esk_table_new(neighbour_columns, sizeof neighbour_columns / sizeof *neighbour_columns);
-	json_array_foreach(json_object_get(result, "neighbours"), i, neighbour) add_neighbour(table, neighbour, i + 1);
+	json_array_foreach (json_object_get(result, "neighbours"), i, neighbour)
+		add_neighbour(table, neighbour, i + 1);
 	fputc('\n', out);
 	bool whole = esk_table_write(table, out, colour);
 	esk_table_free(table);
@@ -85,8 +86,7 @@ static void write_differences(const json_t *nearest, FILE *out)
 	fputs("\nbeside ", out);
 	esk_table_write_plain(out, esk_report_member(nearest, "name"));
 	fputs(", matched class by class:\n", out);
-	json_array_foreach(differences, i, difference)
-	{
+	json_array_foreach (differences, i, difference) {
 		const char *text = json_string_value(json_object_get(difference, "text"));
 		if (!text)
 			continue;
@@ -101,10 +101,8 @@ bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)
 	size_t i, j, count = 0;
 	json_t *entry, *result, *only = NULL;
 	esk_table *table = esk_table_new(verdict_columns, sizeof verdict_columns / sizeof *verdict_columns);
-	json_array_foreach(answers, i, entry)
-	{
-		json_array_foreach(json_object_get(json_object_get(entry, "answer"), "results"), j, result)
-		{
+	json_array_foreach (answers, i, entry) {
+		json_array_foreach (json_object_get(json_object_get(entry, "answer"), "results"), j, result) {
 			add_verdict(table, result, esk_report_member(entry, "source"));
 			count++;
 			only = result;

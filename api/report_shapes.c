@@ -27,8 +27,7 @@ static bool collect_warnings(const json_t *shape, const char *source, json_t *se
 	json_t *warning;
 	bool whole = true;
 	const char *name = json_string_value(json_object_get(shape, "name"));
-	json_array_foreach(json_object_get(shape, "warnings"), i, warning)
-	{
+	json_array_foreach (json_object_get(shape, "warnings"), i, warning) {
 		const char *text = esk_report_member(warning, "text");
 		json_t *count = json_array_get(json_object_get(seen, text), 0);
 		if (count)
@@ -47,8 +46,7 @@ static void write_warnings(json_t *seen, FILE *out)
 	const char *text;
 	json_t *entry;
 	fputs(json_object_size(seen) > 0 ? "\n" : "", out);
-	json_object_foreach(seen, text, entry)
-	{
+	json_object_foreach (seen, text, entry) {
 		json_int_t count = json_integer_value(json_array_get(entry, 0));
 		fputs("warning: ", out);
 		if (count == 1) {
@@ -69,12 +67,10 @@ bool esk_report_shapes(const json_t *answers, FILE *out, bool colour)
 	const char *next = NULL;
 	bool whole = warnings;
 	esk_table *table = esk_table_new(columns, sizeof columns / sizeof *columns);
-	json_array_foreach(answers, i, entry)
-	{
+	json_array_foreach (answers, i, entry) {
 		const char *source = esk_report_member(entry, "source");
 		json_t *answer = json_object_get(entry, "answer");
-		json_array_foreach(json_object_get(answer, "shapes"), j, shape)
-		{
+		json_array_foreach (json_object_get(answer, "shapes"), j, shape) {
 			add_row(table, shape, source);
 			whole = whole && collect_warnings(shape, source, warnings);
 		}
@@ -111,12 +107,10 @@ bool esk_report_shape(const json_t *answers, FILE *out, bool colour)
 	json_t *entry, *value, *warnings = json_object();
 	const char *member;
 	bool whole = warnings;
-	json_array_foreach(answers, i, entry)
-	{
+	json_array_foreach (answers, i, entry) {
 		json_t *shape = json_object_get(entry, "answer");
 		esk_table *table = esk_table_new(members, 2);
-		json_object_foreach(shape, member, value)
-		{
+		json_object_foreach (shape, member, value) {
 			if (strcmp(member, "warnings"))
 				add_member(table, member, value);
 		}

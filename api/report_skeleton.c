@@ -39,9 +39,9 @@ static bool write_skeleton(const json_t *skeleton, FILE *out, bool colour)
 	json_t *item;
 	esk_table *level_table = esk_table_new(level_columns, sizeof level_columns / sizeof *level_columns);
 	esk_table *class_table = esk_table_new(class_columns, sizeof class_columns / sizeof *class_columns);
-	json_array_foreach(levels, i, item) add_level(level_table, item);
-	json_array_foreach(nodes, i, item)
-	{
+	json_array_foreach (levels, i, item)
+		add_level(level_table, item);
+	json_array_foreach (nodes, i, item) {
 		if (json_integer_value(json_object_get(item, "level")) == deepest)
 			add_class(class_table, item);
 	}
@@ -58,8 +58,7 @@ bool esk_report_skeleton(const json_t *answers, FILE *out, bool colour)
 	size_t i;
 	json_t *entry;
 	bool whole = true;
-	json_array_foreach(answers, i, entry)
-	{
+	json_array_foreach (answers, i, entry) {
 		fputs(i > 0 ? "\n" : "", out);
 		esk_table_write_plain(out, esk_report_member(entry, "source"));
 		fputc('\n', out);

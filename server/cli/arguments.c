@@ -27,8 +27,8 @@ struct esk_option {
 	const char *name;
 	const char *value; /* what it takes, for the help; NULL for a flag */
 	int commands;      /* that take it */
-	const char *query; /* the parameter that its value becomes; of a flag, name and value; one that ends in
-	                               '.' takes KEY=VALUE and becomes .KEY; NULL: not for the server */
+	const char *query; /* parameter for the value, or a whole "parameter=value" for a flag; "parameter." for a
+			      KEY=VALUE that becomes parameter.KEY=VALUE; NULL: not for the server */
 	const char *help;
 };
 
@@ -46,11 +46,11 @@ static const esk_option options[] = {
 	{"levels", "K", ENROLL | SKELETON, "levels", "depth of the skeleton, 1 to 64 (16)"},
 
 	{"limit", "N", RECOGNIZE, "limit", "neighbours (5)"},
-	{"mode", "MODE", RECOGNIZE, "mode", "exact or pruned"},
+	{"mode", "MODE", RECOGNIZE, "mode", "pruned (default) or exact"},
 	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
 	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
 	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},
-	{"level", "K", COMPARED, "level", "the level of --distance level (10)"},
+	{"level", "K", COMPARED, "level", "for --distance level and --explain (10)"},
 	{"metric", "KIND", COMPARED, "metric", "manhattan (default) or euclidean"},
 	{"size", "KIND", COMPARED, "size", "fixed (default), or free: size does not count"},
 	{"csv", NULL, DISTANCES, "format=csv", "the matrix as CSV"},

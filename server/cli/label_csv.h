@@ -1,12 +1,12 @@
-/* Names for the labels of a volume, from a table that people keep beside it.
+/* Names for the labels of a volume, from a CSV table (csv.h) that people keep beside it.
  *
- * CSV as in RFC 4180 (quotes, quoted line ends, CRLF or LF), with a header line. The columns label, name, class and
- * side are found by name in any order, label must be there, others are ignored, and so are empty lines and a UTF-8 byte
- * order mark. Everything else is strict: a complaint names the line and the column. */
+ * The first line is the header. The columns label, name, class and side are found by name in any order; label must be
+ * there, others are ignored, and so are empty lines. Everything else is strict: a complaint names the line and the
+ * column. A side may also be L, R or N. */
 #ifndef ESK_LABEL_CSV_H
 #define ESK_LABEL_CSV_H
 
-#include "complain.h"
+#include "csv.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@ typedef struct {
 typedef struct {
 	size_t count;
 	esk_label_csv_row *rows; /* ascending, unique labels */
-	char *text;              /* of the rows */
+	esk_csv csv;             /* holds the rows' text */
 } esk_label_csv;
 
 esk_outcome esk_label_csv_read(const char *path, esk_label_csv *table);

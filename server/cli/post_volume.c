@@ -3,11 +3,19 @@
 #include "volume_file.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-/* A server reads a request's head into 128 KiB, which also hold the parsed parameters: a pointer quadruple each beside
- * their text, about as much again. One label's names may go past it. */
-static const size_t most_query_bytes = (size_t)32 << 10;
+/* eskeld keeps a request's head in the 128 KiB of its connection: the line itself and, of libmicrohttpd, a record of 56
+ * bytes for each parameter. A quarter is left for the header fields and for the names of one label too many. It takes
+ * 1,024 labels a request. */
+enum { parameter_record = 56, most_query_cost = 96 << 10, most_labels = 1024 };
+
+static bool fits(const char *query)
+{
+	size_t cost = 0;
+	for (; *query; query++)
+		cost += *query == '&' ? 1 + parameter_record : 1;
+	return cost <= most_query_cost;
+}
 
 /* A label that --label names, or any where it names none. */
 static bool is_chosen(const esk_arguments *arguments, int32_t label)
@@ -40,11 +48,11 @@ static char *part_query(
 	const esk_session *session, const esk_label_csv *table, const eskel_volume *volume, size_t *next)
 {
 	char *query = NULL;
-	size_t size, count = eskel_volume_label_count(volume);
+	size_t size, count = eskel_volume_label_count(volume), end = *next + most_labels;
 	FILE *out = open_memstream(&query, &size);
 	if (out)
 		esk_arguments_write_query(session->arguments, "label", out);
-	while (out && *next < count && !fflush(out) && size < most_query_bytes) {
+	while (out && *next < count && *next < end && !fflush(out) && fits(query)) {
 		int32_t label = eskel_volume_label(volume, (*next)++);
 		const esk_label_csv_row *row = esk_label_csv_find(table, label);
 		fprintf(out, "&label=%d", (int)label);
@@ -76,7 +84,7 @@ esk_outcome esk_post_volume(esk_session *session, const char *path, const char *
 	esk_outcome outcome = ESK_REFUSED;
 	char *query = whole_query(session, table);
 	const esk_request request = {path, query, file};
-	if (query && strlen(query) > most_query_bytes)
+	if (query && !fits(query))
 		outcome = post_in_parts(session, path, file, table);
 	else if (query)
 		outcome = esk_session_ask(session, &request, file);

@@ -1,0 +1,113 @@
+#include "csv.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const size_t most_bytes = (size_t)16 << 20;
+
+esk_outcome esk_csv_open(const char *path, esk_csv *csv)
+{
+	FILE *file = fopen(path, "re");
+	char *text = malloc(most_bytes + 1);
+	esk_outcome outcome = ESK_DONE;
+	if (!file || !text) {
+		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+		goto cleanup;
+	}
+	size_t size = fread(text, 1, most_bytes, file);
+	if (ferror(file))
+		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+	else if (size == most_bytes || memchr(text, 0, size))
+		outcome = esk_complain(ESK_MISUSED, "%s: it is not a table of text below 16 MiB", path);
+	if (outcome)
+		goto cleanup;
+	text[size] = '\0';
+	size_t mark = strncmp(text, "\xef\xbb\xbf", 3) ? 0 : 3;
+	*csv = (esk_csv){.path = path, .text = text, .next = text + mark, .end = text + size, .lines = 1};
+	text = NULL;
+cleanup:
+	free(text);
+	if (file)
+		fclose(file);
+	return outcome;
+}
+
+void esk_csv_close(esk_csv *csv)
+{
+	free(csv->text);
+	*csv = (esk_csv){0};
+}
+
+typedef enum { FIELD, LAST_FIELD, WRONG_FIELD } field_kind;
+
+static field_kind wrong(const esk_csv *csv, const char *what)
+{
+	esk_complain(ESK_MISUSED, "%s, line %u, column %u: %s", csv->path, csv->line, csv->column, what);
+	return WRONG_FIELD;
+}
+
+/* Takes the comma or the line end after a field whose text ends at out. */
+static field_kind end_field(esk_csv *csv, char *out)
+{
+	char *at = csv->next;
+	bool comma = at < csv->end && *at == ',';
+	if (at < csv->end && *at == '\r' && at[1] == '\n')
+		at++;
+	if (at < csv->end && *at != ',' && *at != '\n')
+		return wrong(csv, "expected a comma or the line's end after the field");
+	csv->lines += !comma;
+	csv->next = at < csv->end ? at + 1 : at;
+	*out = '\0';
+	return comma ? FIELD : LAST_FIELD;
+}
+
+/* Unquotes the field where it stands: it is never longer than its source. */
+static field_kind read_quoted(esk_csv *csv, const char **field)
+{
+	char *at = csv->next + 1, *out = at;
+	*field = at;
+	for (;; at++) {
+		if (at == csv->end)
+			return wrong(csv, "a quote is not closed");
+		if (*at == '"' && *++at != '"')
+			break;
+		csv->lines += *at == '\n';
+		*out++ = *at;
+	}
+	csv->next = at;
+	return end_field(csv, out);
+}
+
+static field_kind read_plain(esk_csv *csv, const char **field)
+{
+	char *at = csv->next + strcspn(csv->next, ",\r\n\"");
+	if (*at == '"')
+		return wrong(csv, "a quote stands inside a field that does not begin with one");
+	*field = csv->next;
+	csv->next = at;
+	return end_field(csv, at);
+}
+
+esk_outcome esk_csv_read_line(esk_csv *csv, const char *fields[ESK_CSV_MOST_COLUMNS], size_t *count)
+{
+	size_t read = 0;
+	field_kind kind = FIELD;
+	csv->line += csv->lines;
+	csv->lines = 0;
+	while (kind == FIELD) {
+		csv->column = (unsigned)read + 1;
+		if (read == ESK_CSV_MOST_COLUMNS) {
+			wrong(csv, "there are more than 64 columns");
+			return ESK_MISUSED;
+		}
+		kind = *csv->next == '"' ? read_quoted(csv, &fields[read]) : read_plain(csv, &fields[read]);
+		read++;
+	}
+	if (kind == WRONG_FIELD)
+		return ESK_MISUSED;
+	*count = read == 1 && !*fields[0] ? 0 : read;
+	return ESK_DONE;
+}
