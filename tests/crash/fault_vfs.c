@@ -350,7 +350,9 @@ static int vfs_open(sqlite3_vfs *vfs, sqlite3_filename name, sqlite3_file *file,
 	fault_file *f = (fault_file *)file;
 	memset(f, 0, sizeof *f);
 	f->kind = flags & (SQLITE_OPEN_MAIN_DB | SQLITE_OPEN_MAIN_JOURNAL | SQLITE_OPEN_WAL);
-	f->real = demand(calloc(1, (size_t)shared.real->szOsFile));
+	f->real = calloc(1, (size_t)shared.real->szOsFile);
+	if (!f->real)
+		return SQLITE_NOMEM;
 	int result = shared.real->xOpen(shared.real, name, f->real, flags, flags_out);
 	if (result != SQLITE_OK) {
 		free(f->real);
