@@ -4,55 +4,19 @@
 
 #include <stdlib.h>
 
-/* eskeld keeps a request's head in the 128 KiB of its connection: the line itself and, of libmicrohttpd, a record of 56
- * bytes for each parameter. A quarter is left for the header fields and for the names of one label too many. It takes
- * 1,024 labels a request. */
-enum { parameter_record = 56, most_query_cost = 96 << 10, most_labels = 1024 };
+/* eskeld takes 128 KiB of head and 4,096 parameters a request; a label has up to four. */
+enum { most_query_bytes = 64 << 10, most_labels = 1000 };
 
-static bool fits(const char *query)
-{
-	size_t cost = 0;
-	for (; *query; query++)
-		cost += *query == '&' ? 1 + parameter_record : 1;
-	return cost <= most_query_cost;
-}
-
-/* A label that --label names, or any where it names none. */
-static bool is_chosen(const esk_arguments *arguments, int32_t label)
-{
-	size_t position = 0;
-	int32_t chosen = 0;
-	const char *text = NULL;
-	while (chosen != label && (text = esk_arguments_next(arguments, "label", &position)))
-		(void)esk_label_parse(text, &chosen);
-	return chosen == label || !esk_arguments_value(arguments, "label");
-}
-
-/* Every chosen row of the table. */
-static char *whole_query(const esk_session *session, const esk_label_csv *table)
-{
-	char *query = NULL;
-	size_t size;
-	FILE *out = open_memstream(&query, &size);
-	if (out)
-		esk_arguments_write_query(session->arguments, NULL, out);
-	for (size_t i = 0; i < table->count && out; i++) {
-		if (is_chosen(session->arguments, table->rows[i].label))
-			esk_label_csv_write_query(&table->rows[i], out);
-	}
-	return esk_session_close_text(out, &query);
-}
-
-/* As many of the volume's labels from the one at *next as fit, each chosen and with its row. */
+/* As many of the volume's labels from the one at *next as fit (the last may go past most_query_bytes). */
 static char *part_query(
 	const esk_session *session, const esk_label_csv *table, const eskel_volume *volume, size_t *next)
 {
 	char *query = NULL;
-	size_t size, count = eskel_volume_label_count(volume), end = *next + most_labels;
+	size_t size, first = *next, count = eskel_volume_label_count(volume);
 	FILE *out = open_memstream(&query, &size);
 	if (out)
 		esk_arguments_write_query(session->arguments, "label", out);
-	while (out && *next < count && *next < end && !fflush(out) && fits(query)) {
+	while (out && *next < count && *next - first < most_labels && !fflush(out) && size < most_query_bytes) {
 		int32_t label = eskel_volume_label(volume, (*next)++);
 		const esk_label_csv_row *row = esk_label_csv_find(table, label);
 		fprintf(out, "&label=%d", (int)label);
@@ -62,17 +26,33 @@ static char *part_query(
 	return esk_session_close_text(out, &query);
 }
 
-static esk_outcome post_in_parts(esk_session *session, const char *path, const char *file, const esk_label_csv *table)
+static esk_outcome post(esk_session *session, const char *path, const char *file, char *query)
+{
+	const esk_request request = {path, query, file};
+	return query ? esk_session_ask(session, &request, file) : ESK_REFUSED;
+}
+
+/* A table of another volume is a mistake. */
+static esk_outcome check_table(const char *file, const eskel_volume *volume, const esk_label_csv *table)
+{
+	for (size_t i = 0; i < eskel_volume_label_count(volume); i++) {
+		if (esk_label_csv_find(table, eskel_volume_label(volume, i)))
+			return ESK_DONE;
+	}
+	return esk_complain(ESK_MISUSED, "%s: %s names none of its labels", file, table->csv.path);
+}
+
+static esk_outcome post_with_table(esk_session *session, const char *path, const char *file, const esk_label_csv *table)
 {
 	eskel_volume *volume = NULL;
 	esk_outcome outcome = esk_volume_file_read(file, session->arguments, &volume);
 	if (outcome)
 		return outcome;
+	outcome = check_table(file, volume, table);
 	for (size_t next = 0; next < eskel_volume_label_count(volume) && !outcome;) {
 		session->progress.items += next > 0;
 		char *query = part_query(session, table, volume, &next);
-		const esk_request request = {path, query, file};
-		outcome = query ? esk_session_ask(session, &request, file) : ESK_REFUSED;
+		outcome = post(session, path, file, query);
 		free(query);
 	}
 	eskel_volume_free(volume);
@@ -81,13 +61,10 @@ static esk_outcome post_in_parts(esk_session *session, const char *path, const c
 
 esk_outcome esk_post_volume(esk_session *session, const char *path, const char *file, const esk_label_csv *table)
 {
-	esk_outcome outcome = ESK_REFUSED;
-	char *query = whole_query(session, table);
-	const esk_request request = {path, query, file};
-	if (query && !fits(query))
-		outcome = post_in_parts(session, path, file, table);
-	else if (query)
-		outcome = esk_session_ask(session, &request, file);
+	if (table->count > 0)
+		return post_with_table(session, path, file, table);
+	char *query = esk_session_query(session, "");
+	esk_outcome outcome = post(session, path, file, query);
 	free(query);
 	return outcome;
 }

@@ -159,8 +159,15 @@ class Tables(Served):
                          [("1", 'ball, the "first" & only', "left"), ("2", "größe", "right"), ("3", "balls.nii:3", "none")])
         self.assertEqual({row["class"] for row in rows}, {"ball"})
 
+    def test_a_table_may_have_more_rows_than_the_volume_has_labels(self):
+        volume = self.path("two.nii")
+        write_nifti(volume, side_by_side(ball(4), ball(8)))
+        table = self.write("long.csv", "label,name\n" + "".join(f"{n},ball {n}\n" for n in range(2, 300)))
+        rows = self.rows(self.eskel("enroll", volume, "--labels", table))
+        self.assertEqual([row["name"] for row in rows], ["two.nii:1", "ball 2"])
+
     def test_more_names_than_fit_one_request_are_posted_in_parts(self):
-        count, volume = 700, self.path("many.nii.gz")
+        count, volume = 1010, self.path("many.nii.gz")
         labels = numpy.zeros((4 * count, 3, 3), numpy.int16)
         for label in range(count):
             labels[4 * label:4 * label + 3, :1 + label % 3, :] = label + 1
@@ -175,8 +182,8 @@ class Tables(Served):
                 self.assertGreater(len(answers), 1)
                 self.assertEqual([shape["label"] for shapes in answers for shape in shapes],
                                  list(range(1, count + 1)))
-        chosen = self.eskel("enroll", volume, "--labels", table, "--levels", 1, "--label", 700, "--label", 3)
-        self.assertEqual([row["label"] for row in self.rows(chosen)], ["3", "700"])
+        chosen = self.eskel("enroll", volume, "--labels", table, "--levels", 1, "--label", 1010, "--label", 3)
+        self.assertEqual([row["label"] for row in self.rows(chosen)], ["3", "1010"])
 
 
 class Tokens(Served):

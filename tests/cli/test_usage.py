@@ -93,6 +93,12 @@ class Tables(Folder):
                 run = eskel("enroll", "volume.nii", "--labels", table, "--server", NOWHERE)
                 self.assert_run(run, 2, table, said)
 
+    def test_a_table_of_another_volume_is_refused(self):
+        volume = self.path("ball.nii")
+        write_nifti(volume, side_by_side(ball(4)))
+        table = self.write("other.csv", "label,name\n2,a\n3,b\n")
+        self.assert_run(eskel("enroll", volume, "--labels", table, "--server", NOWHERE), 2, "names none of its labels")
+
     def test_a_missing_table_is_refused(self):
         self.assert_run(eskel("enroll", "volume.nii", "--labels", "/nonexistent"), 2, "/nonexistent: No such file")
 
