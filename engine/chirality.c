@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* Scores of pairs without a side lie below it, and every wrong sign seen on bones (worst 0.046). */
+/* Above every wrong sign among 505 pairs of bones and brain regions (the worst was 0.046). */
 static const double least_score = 0.05;
 /* In cube roots of the volume, a level. Affines are rounded to float, so equal shapes may differ by 1e-7 or so in either
  * hand, and the ratio of two rounding errors means nothing. About what one voxel in a million changes. */
