@@ -153,8 +153,7 @@ static bool patch_attributes(eskel_description *description, const json_t *value
 			remove_attribute(description, description->attribute_count - 1);
 	else if (!json_is_object(value))
 		return refuse_type("attributes", value, "an object of strings", problem);
-	json_object_foreach((json_t *)value, key, member)
-	{
+	json_object_foreach ((json_t *)value, key, member) {
 		if (!patch_attribute(description, key, member, problem))
 			return false;
 	}
@@ -190,8 +189,7 @@ static bool patch_members(eskel_description *description, json_t *patch, esk_pro
 	if (!json_is_object(patch))
 		return esk_problem_set(
 			problem, 400, "the body is %s, expected an object of the members to change", type_of(patch));
-	json_object_foreach(patch, name, value)
-	{
+	json_object_foreach (patch, name, value) {
 		if (patch_member(description, name, value, problem))
 			continue;
 		if (problem->status == 400) /* as value.h refuses what stands in a query */

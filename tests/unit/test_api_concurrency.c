@@ -96,8 +96,7 @@ static json_t *recognise_all(eskel_api *api)
 	json_t *all = json_object(), *shape;
 	size_t i;
 	answer list = get(api, "/shapes?limit=1000");
-	json_array_foreach(at(&list, "shapes"), i, shape)
-	{
+	json_array_foreach (at(&list, "shapes"), i, shape) {
 		const char *id = json_string_value(json_object_get(shape, "id"));
 		answer a = get(api, "/recognize?shape=%s&mode=exact", id);
 		assert_status(&a, 200);

@@ -221,8 +221,7 @@ static size_t described_parameters(const answer *openapi, const json_t *operatio
 {
 	size_t i, count = 0;
 	json_t *item;
-	json_array_foreach(json_object_get(operation, "parameters"), i, item)
-	{
+	json_array_foreach (json_object_get(operation, "parameters"), i, item) {
 		const json_t *parameter = resolved(openapi, item);
 		const char *name = json_string_value(json_object_get(parameter, "name"));
 		if (strcmp(json_string_value(json_object_get(parameter, "in")), "query") != 0)
@@ -264,10 +263,8 @@ static void the_description_and_the_routes_are_the_same(void **state)
 	}
 	const char *path, *method;
 	json_t *methods, *operation;
-	json_object_foreach(at(&a, "paths"), path, methods)
-	{
-		json_object_foreach(methods, method, operation)
-		{
+	json_object_foreach (at(&a, "paths"), path, methods) {
+		json_object_foreach (methods, method, operation) {
 			described += strcmp(method, "parameters") != 0 && strcmp(path, "/") != 0 &&
 				     strcmp(path, "/metrics") != 0;
 		}

@@ -207,13 +207,11 @@ static void a_skeleton_is_a_tree_of_ids(void **state)
 	json_t *nodes = at(&a, "nodes"), *node;
 	assert_int_equal(count, 21);
 	assert_true(json_is_null(at(&a, "levels.0.split_class")));
-	json_array_foreach(nodes, i, node)
-	{
+	json_array_foreach (nodes, i, node) {
 		size_t j;
 		json_t *child;
 		assert_int_equal(json_integer_value(json_object_get(node, "id")), i);
-		json_array_foreach(json_object_get(node, "children"), j, child)
-		{
+		json_array_foreach (json_object_get(node, "children"), j, child) {
 			const json_t *below = json_array_get(nodes, (size_t)json_integer_value(child));
 			assert_int_equal(json_integer_value(json_object_get(below, "parent")), i);
 			assert_int_equal(json_integer_value(json_object_get(below, "level")),
