@@ -18,9 +18,9 @@ static eskel_status split_all(
 {
 	esk_segment *segments = NULL;
 	size_t first[ESKEL_LEVELS_MAX + 1];
-	eskel_status status = esk_partition_collect(partition, &segments, first);
-	const eskel_affine *map = partition->class_count == 1 ? input->root_map : &input->metric->map;
-	for (uint32_t j = 0; !status && j < partition->class_count; j++) {
+	eskel_status status = esk_labelling_collect(&partition->labelling, &segments, first);
+	const eskel_affine *map = partition->labelling.class_count == 1 ? input->root_map : &input->metric->map;
+	for (uint32_t j = 0; !status && j < partition->labelling.class_count; j++) {
 		if (s->known[j])
 			continue;
 		status = esk_split_class(
@@ -49,11 +49,6 @@ static double intraclass_ratio(const esk_moments *classes, uint32_t count, doubl
 	return whole > 0 ? sum / whole : 0;
 }
 
-static bool is_same(const esk_moments *a, const esk_moments *b)
-{
-	return memcmp(a, b, sizeof *a) == 0;
-}
-
 static eskel_status next_level(const esk_levels_input *input, esk_partition *partition, splits *s, esk_levels *levels)
 {
 	const uint32_t k = levels->count;
@@ -80,12 +75,15 @@ static eskel_status next_level(const esk_levels_input *input, esk_partition *par
 		about.split_ratio = s->of[best].ratio;
 		about.degenerate = s->of[best].degenerate;
 	}
+	bool *touched = partition->labelling.touched;
+	memset(touched, 0, sizeof partition->labelling.touched);
 	eskel_status status = esk_partition_converge(partition, starts, k + 1);
 	if (status)
 		return status;
-	esk_partition_moments(partition, next);
+	memcpy(next, classes, k * sizeof *next);
+	esk_labelling_moments(&partition->labelling, touched, next);
 	for (uint32_t j = 0; j <= k; j++)
-		s->known[j] = j < k && k > 1 && s->known[j] && is_same(&classes[j], &next[j]);
+		s->known[j] = s->known[j] && !touched[j];
 	about.intraclass_ratio = intraclass_ratio(
 		next, k + 1, esk_moments_inertia(&levels->classes[0], input->metric->form), input->metric);
 	levels->about[k] = about;
@@ -93,16 +91,12 @@ static eskel_status next_level(const esk_levels_input *input, esk_partition *par
 	return ESKEL_OK;
 }
 
-static eskel_status first_level(const esk_levels_input *input, esk_partition *partition, esk_levels *levels)
+static void first_level(const esk_levels_input *input, esk_partition *partition, esk_levels *levels)
 {
-	eskel_status status = esk_partition_assign(partition, &(esk_scores){.count = 1});
-	if (status)
-		return status;
-	esk_partition_moments(partition, levels->classes);
+	esk_labelling_moments(&partition->labelling, (const bool[ESKEL_LEVELS_MAX]){true}, levels->classes);
 	levels->about[0] = (eskel_level){.level = 1, .split_class = -1};
 	levels->about[0].intraclass_ratio = esk_moments_inertia(&levels->classes[0], input->metric->form) > 0 ? 1 : 0;
 	levels->count = 1;
-	return ESKEL_OK;
 }
 
 eskel_status esk_levels_compute(const esk_levels_input *input, esk_levels *levels)
@@ -113,7 +107,7 @@ eskel_status esk_levels_compute(const esk_levels_input *input, esk_levels *level
 	if (!status)
 		status = esk_partition_init(&partition, input->segments, input->segment_count, input->metric);
 	if (!status)
-		status = first_level(input, &partition, levels);
+		first_level(input, &partition, levels);
 	while (!status) {
 		if (input->progress && !input->progress(input->context, levels->count, input->levels))
 			status = ESKEL_CANCELLED;

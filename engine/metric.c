@@ -7,15 +7,15 @@
 
 enum { FORM_BITS = 40 };
 
-/* Every intermediate of a score stays below 2^53. With g inside the box, |c| <= sum |T_rc| half_r half_c and
- * 2 |b| |u| at most twice that; the roundings of b and c add at most 1.5 sum half_r + 1 < 2^19. */
+/* c and 2 b . u stay below 2^44: with g inside the box, |c| <= sum |T_rc| half_r half_c and 2 |b . u| at most twice
+ * that. Their roundings add at most 1.5 sum half_r + 1 < 2^19. */
 static int score_shift(const esk_metric *metric)
 {
 	double most = 0;
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 3; c++)
 			most += 3 * (double)llabs(metric->form[r][c]) * metric->half[r] * metric->half[c];
-	return most > 0 ? 52 - ilogb(most) - 1 : 0;
+	return most > 0 ? 43 - ilogb(most) : 0;
 }
 
 /* form = map^T map, scaled so that its greatest entry, which is on the diagonal, is exactly 2^FORM_BITS, and then

@@ -49,6 +49,15 @@ static inline void esk_sums_add(esk_sums *sums, const esk_segment *s)
 	sums->first[2] += weight * s->z;
 }
 
+static inline void esk_sums_remove(esk_sums *sums, const esk_segment *s)
+{
+	esk_sums part = {0};
+	esk_sums_add(&part, s);
+	sums->weight -= part.weight;
+	for (int r = 0; r < 3; r++)
+		sums->first[r] -= part.first[r];
+}
+
 void esk_moments_add(esk_moments *moments, const esk_segment *segment);
 void esk_moments_merge(esk_moments *moments, const esk_moments *other);
 void esk_moments_subtract(esk_moments *moments, const esk_moments *other);

@@ -3,15 +3,20 @@
  * The squared distance of a voxel u to the centre g of a class, less u^T T u which is the same for every class, is
  * linear in u:
  *
- *	s(u) = c - 2 b . u    with b = T g, c = g^T T g = b . g
+ *	c - 2 b . u    with b = T g, c = g^T T g = b . g
  *
- * b is rounded to a multiple of 2^-shift, and so is c, computed from the rounded b. What remains is integer
- * arithmetic below 2^53, which double does without rounding: labels do not depend on the order of operations, on
- * vector width or on the compiler, and ties are true ties. A voxel belongs to the class of least score, on a tie to
- * the one of least index.
+ * b is rounded to a multiple of 2^-shift (metric.h), and so is c, computed from the rounded b; what remains is integer.
+ * The score of class j is
  *
- * Along x a score is linear too. A class therefore wins an interval of a segment, or nothing: where it wins is an
- * intersection of half-lines. */
+ *	s(u) = 64 (c - 2 b . u) 2^shift + j
+ *
+ * so that no two classes ever tie: a voxel belongs to the class of least score, which is the nearest one, and among
+ * equally near ones the one of least index. All intermediates are integers below 2^51. Double arithmetic does them
+ * without rounding, in any order, with or without fused multiplication, so labels do not depend on the compiler, the
+ * vector width or the machine.
+ *
+ * Along x a score is linear too. Where a class wins along a segment is an intersection of half-lines: one interval, or
+ * nothing. */
 #ifndef ESK_SCORES_H
 #define ESK_SCORES_H
 
@@ -19,16 +24,19 @@
 
 typedef struct {
 	uint32_t count;
-	double constant[ESKEL_LEVELS_MAX]; /* c */
-	double slope[3][ESKEL_LEVELS_MAX]; /* -2 b */
+	double constant[ESKEL_LEVELS_MAX]; /* 64 c 2^shift + j */
+	double slope[3][ESKEL_LEVELS_MAX]; /* -128 b 2^shift */
 } esk_scores;
 
-/* Scores of the class with these sums, which are not empty. */
+/* The score of class index with these sums, which are not empty. */
 void esk_scores_set(esk_scores *scores, uint32_t index, const esk_metric *metric, const esk_sums *sums);
+
+/* Scores of two classes: 1 where normal . u > threshold, 0 elsewhere. All numbers below 2^44. */
+void esk_scores_set_plane(esk_scores *scores, const int64_t normal[3], int64_t threshold);
 
 static inline double esk_scores_at(const esk_scores *s, uint32_t j, double x, double y, double z)
 {
-	return s->constant[j] + s->slope[1][j] * y + s->slope[2][j] * z + s->slope[0][j] * x;
+	return s->constant[j] + s->slope[0][j] * x + s->slope[1][j] * y + s->slope[2][j] * z;
 }
 
 #endif

@@ -19,13 +19,10 @@ static void plane_normal(const eskel_affine *map, const double axis[3], int64_t 
 		normal[i] = greatest > 0 ? llround(n[i] / greatest * 0x1p20) : 0;
 }
 
-/* Class 1 where normal . u > threshold, class 0 elsewhere. */
 static eskel_status cut(esk_partition *partition, const int64_t normal[3], int64_t threshold)
 {
-	esk_scores scores = {.count = 2};
-	scores.constant[1] = (double)threshold;
-	for (int r = 0; r < 3; r++)
-		scores.slope[r][1] = -(double)normal[r];
+	esk_scores scores;
+	esk_scores_set_plane(&scores, normal, threshold);
 	return esk_partition_assign(partition, &scores);
 }
 
@@ -41,18 +38,18 @@ static eskel_status cut_at_centre(
 	esk_int128 weight = sums->weight;
 	int64_t threshold = (int64_t)(moment >= 0 ? moment / weight : -((-moment + weight - 1) / weight)); /* floor */
 	eskel_status status = cut(partition, normal, threshold);
-	uint64_t above = partition->sums[1].weight;
+	uint64_t above = partition->labelling.sums[1].weight;
 	if (!status && moment % weight == 0) {
 		status = cut(partition, normal, threshold - 1);
-		uint64_t below = partition->sums[0].weight;
+		uint64_t below = partition->labelling.sums[0].weight;
 		if (!status && below <= above)
 			status = cut(partition, normal, threshold);
 	}
 	if (status)
 		return status;
-	int heavier = partition->sums[1].weight > partition->sums[0].weight;
-	parts[0] = partition->sums[heavier];
-	parts[1] = partition->sums[!heavier];
+	int heavier = partition->labelling.sums[1].weight > partition->labelling.sums[0].weight;
+	parts[0] = partition->labelling.sums[heavier];
+	parts[1] = partition->labelling.sums[!heavier];
 	return ESKEL_OK;
 }
 
@@ -71,17 +68,34 @@ static eskel_status major_axis_plane(
 	return ESKEL_OK;
 }
 
-static void measure(const esk_partition *partition, double inertia, esk_split *split)
+/* The decomposition theorem gives the parts' inertia without their second moments:
+ * w V = w' V' + w'' V'' + (w' w'' / w) |g' - g''|^2. */
+static double ratio_of(const esk_sums parts[2], const esk_metric *metric, double inertia)
 {
-	esk_moments parts[2];
-	esk_partition_moments(partition, parts);
-	double inertias[2] = {esk_moments_inertia(&parts[0], partition->metric->form),
-		esk_moments_inertia(&parts[1], partition->metric->form)};
-	uint64_t weights[2] = {parts[0].sums.weight, parts[1].sums.weight};
-	int heavier = weights[1] > weights[0] || (weights[1] == weights[0] && inertias[1] > inertias[0]);
-	split->parts[0] = parts[heavier].sums;
-	split->parts[1] = parts[!heavier].sums;
-	split->ratio = nearbyint((inertias[0] + inertias[1]) / inertia * 0x1p40) * 0x1p-40;
+	const double weights[2] = {(double)parts[0].weight, (double)parts[1].weight};
+	double d[3], squared = 0;
+	for (int r = 0; r < 3; r++)
+		d[r] = (double)parts[0].first[r] / weights[0] - (double)parts[1].first[r] / weights[1];
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 3; c++)
+			squared += (double)metric->form[r][c] * d[r] * d[c];
+	double ratio = 1 - weights[0] * weights[1] / (weights[0] + weights[1]) * squared / inertia;
+	return nearbyint(ratio * 0x1p40) * 0x1p-40;
+}
+
+/* The heavier part first, on a tie the one of larger variance. */
+static void order_parts(const esk_partition *partition, esk_sums parts[2])
+{
+	const esk_sums *sums = partition->labelling.sums;
+	bool second_first = sums[1].weight > sums[0].weight;
+	if (sums[1].weight == sums[0].weight) {
+		esk_moments moments[2];
+		esk_labelling_moments(&partition->labelling, (const bool[ESKEL_LEVELS_MAX]){true, true}, moments);
+		second_first = esk_moments_inertia(&moments[1], partition->metric->form) >
+			       esk_moments_inertia(&moments[0], partition->metric->form);
+	}
+	parts[0] = sums[second_first];
+	parts[1] = sums[!second_first];
 }
 
 eskel_status esk_split_class(const esk_segment *segments, size_t segment_count, const esk_moments *moments,
@@ -104,7 +118,8 @@ eskel_status esk_split_class(const esk_segment *segments, size_t segment_count, 
 	if (!status && starts[1].weight) {
 		status = esk_partition_converge(&partition, starts, 2);
 		result.possible = true;
-		measure(&partition, inertia, &result);
+		order_parts(&partition, result.parts);
+		result.ratio = ratio_of(result.parts, metric, inertia);
 	}
 	esk_partition_clear(&partition);
 	if (!status)

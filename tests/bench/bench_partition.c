@@ -1,0 +1,165 @@
+/* Time of a skeleton's levels over runs, beside plain clustering over voxels that finds the same labels.
+ *
+ *	bench_partition [FILE ...]
+ *
+ * Without files: three shapes by formula. A file is a volume; its first label is taken. */
+#include "levels.h"
+#include "partition.h"
+#include "shapes.h"
+#include "voxel_clustering.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+enum { REPEATS = 5 };
+
+static void fail(const char *what)
+{
+	fprintf(stderr, "%s\n", what);
+	exit(1);
+}
+
+static double now(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static double peak_megabytes(void)
+{
+	struct rusage usage;
+	getrusage(RUSAGE_SELF, &usage);
+	return (double)usage.ru_maxrss / 1024;
+}
+
+/* Milliseconds, the least of a few. */
+static double time_skeleton(const eskel_cloud *cloud, const eskel_skeleton_options *options)
+{
+	double least = 1e300;
+	for (int i = 0; i < REPEATS; i++) {
+		eskel_skeleton *skeleton = NULL;
+		double start = now();
+		if (eskel_skeleton_new(cloud, options, &skeleton, NULL))
+			fail("no skeleton");
+		double spent = now() - start;
+		least = spent < least ? spent : least;
+		eskel_skeleton_free(skeleton);
+	}
+	return least;
+}
+
+/* The label of every voxel, in the order of the runs, in the partition that these centres are a fixed point of. */
+static void label_voxels(esk_partition *partition, const esk_moments *classes, uint32_t count, uint8_t *labels)
+{
+	esk_sums starts[ESKEL_LEVELS_MAX];
+	for (uint32_t j = 0; j < count; j++)
+		starts[j] = classes[j].sums;
+	if (esk_partition_converge(partition, starts, count))
+		fail("no partition");
+	esk_piece_cursor c = esk_labelling_first(&partition->labelling);
+	for (size_t v = 0; c.valid; esk_labelling_next(&partition->labelling, &c))
+		for (uint64_t i = 0; i < esk_segment_voxels(&c.part); i++)
+			labels[v++] = (uint8_t)c.class_index;
+}
+
+/* The levels of the engine, checked voxel by voxel against plain clustering; its milliseconds. */
+static double time_plain(const eskel_cloud *cloud, uint32_t levels, uint64_t *passes)
+{
+	esk_segment *segments = malloc(cloud->run_count * sizeof *segments);
+	esk_levels *found = malloc(sizeof *found);
+	uint8_t *labels = malloc(cloud->voxels), *plain = malloc(cloud->voxels * levels);
+	if (!segments || !found || !labels || !plain)
+		fail("memory ran out");
+	esk_segments_from_cloud(cloud, segments);
+	esk_metric metric;
+	esk_metric_euclidean(cloud, &metric);
+	const esk_levels_input input = {.segments = segments,
+		.segment_count = cloud->run_count,
+		.metric = &metric,
+		.root_map = &metric.map,
+		.levels = levels};
+	esk_partition partition;
+	if (esk_levels_compute(&input, found) || esk_partition_init(&partition, segments, cloud->run_count, &metric))
+		fail("no levels");
+
+	double map[3][3];
+	for (int r = 0; r < 3; r++)
+		memcpy(map[r], metric.map.m[r], sizeof map[r]);
+	voxel_set set;
+	voxel_set_init(&set, cloud, (const int64_t(*)[3])metric.form, metric.shift, (const double(*)[3])map,
+		(const double(*)[3])map);
+	double start = now();
+	if (voxel_clustering(&set, levels, plain) != levels)
+		fail("plain clustering did not reach all levels");
+	double spent = now() - start;
+	for (uint32_t k = 1; k <= levels; k++) {
+		label_voxels(&partition, &found->classes[ESKEL_NODES(k - 1)], k, labels);
+		if (memcmp(labels, plain + (k - 1) * set.count, set.count) != 0)
+			fail("labels differ");
+	}
+	*passes = set.passes;
+	voxel_set_clear(&set);
+	esk_partition_clear(&partition);
+	free(segments);
+	free(found);
+	free(labels);
+	free(plain);
+	return spent;
+}
+
+static void report(const char *name, const eskel_cloud *cloud)
+{
+	double ten = time_skeleton(cloud, &(eskel_skeleton_options){.levels = 10});
+	double sixteen = time_skeleton(cloud, &(eskel_skeleton_options){.levels = 16});
+	double coarse = time_skeleton(cloud, &(eskel_skeleton_options){.levels = 16, .coarse_start = true});
+	double peak = peak_megabytes();
+	uint64_t passes = 0;
+	double plain = time_plain(cloud, 10, &passes);
+	printf("%-24s %9llu voxels %7zu runs | 1..10 %8.1f ms  1..16 %8.1f ms  coarse 1..16 %8.1f ms  peak %6.1f MB | "
+	       "plain 1..10 %8.0f ms, %llu passes, same labels | ratio %5.1f\n",
+		name, (unsigned long long)cloud->voxels, cloud->run_count, ten, sixteen, coarse, peak, plain,
+		(unsigned long long)passes, plain / ten);
+}
+
+static eskel_cloud *read_cloud(const char *path)
+{
+	static uint8_t piece[65536];
+	eskel_volume *volume = NULL;
+	eskel_cloud *cloud = NULL;
+	eskel_error error = {0};
+	FILE *file = fopen(path, "rb");
+	if (!file || eskel_volume_new(NULL, &volume))
+		fail(path);
+	for (size_t n; (n = fread(piece, 1, sizeof piece, file)) > 0;)
+		if (eskel_volume_feed(volume, piece, n, &error))
+			fail(error.text);
+	fclose(file);
+	if (eskel_volume_finish(volume, &error) ||
+		eskel_volume_cloud(volume, eskel_volume_label(volume, 0), &cloud, &error))
+		fail(error.text);
+	eskel_volume_free(volume);
+	return cloud;
+}
+
+int main(int argc, char **argv)
+{
+	static const struct {
+		const char *name;
+		const shapes_solid *solid;
+	} shapes[] = {{"hamate", &shapes_hamate}, {"femur", &shapes_femur}, {"large", &shapes_large}};
+	for (size_t i = 0; argc == 1 && i < sizeof shapes / sizeof *shapes; i++) {
+		eskel_cloud *cloud = shapes_cloud(shapes[i].solid, &shapes_identity);
+		report(shapes[i].name, cloud);
+		eskel_cloud_free(cloud);
+	}
+	for (int i = 1; i < argc; i++) {
+		eskel_cloud *cloud = read_cloud(argv[i]);
+		report(strrchr(argv[i], '/') ? strrchr(argv[i], '/') + 1 : argv[i], cloud);
+		eskel_cloud_free(cloud);
+	}
+	return 0;
+}
