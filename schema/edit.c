@@ -59,7 +59,7 @@ eskel_store_status eskel_store_describe(eskel_store *store, const char *actor, c
 	edit e = {.actor = actor, .id = id, .revision = revision, .description = description};
 	eskel_store_status status = esk_description_check(description, error);
 	if (status == ESKEL_STORE_OK)
-		status = esk_write(store, describe, &e, error);
+		status = esk_write_shapes(store, describe, &e, error);
 	if (status == ESKEL_STORE_OK)
 		*shape = e.shape;
 	else
@@ -87,7 +87,7 @@ eskel_store_status eskel_store_delete(
 	eskel_store *store, const char *actor, const char *id, int64_t revision, int64_t *key, eskel_store_error *error)
 {
 	edit e = {.actor = actor, .id = id, .revision = revision};
-	eskel_store_status status = esk_write(store, remove_row, &e, error);
+	eskel_store_status status = esk_write_shapes(store, remove_row, &e, error);
 	if (status == ESKEL_STORE_OK && key)
 		*key = e.key;
 	return status;

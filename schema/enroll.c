@@ -150,7 +150,7 @@ static void free_drafts(draft *drafts, size_t count)
 eskel_store_status eskel_store_enroll(eskel_store *store, const char *actor, const eskel_enrollment *enrollments,
 	size_t count, eskel_shape *shapes, bool *created, eskel_store_error *error)
 {
-	eskel_store_status status = esk_file_check_room(store->lock, store->least_free_bytes, error);
+	eskel_store_status status = esk_file_check_room(store->path, store->least_free_bytes, error);
 	if (status != ESKEL_STORE_OK)
 		return status;
 	batch b = {.actor = actor, .drafts = calloc(count ? count : 1, sizeof(draft)), .count = count};
@@ -159,7 +159,7 @@ eskel_store_status eskel_store_enroll(eskel_store *store, const char *actor, con
 	for (size_t i = 0; i < count && status == ESKEL_STORE_OK; i++)
 		status = prepare(&b.drafts[i], &enrollments[i], error);
 	if (status == ESKEL_STORE_OK)
-		status = esk_write(store, insert, &b, error);
+		status = esk_write_shapes(store, insert, &b, error);
 	for (size_t i = 0; i < count && status == ESKEL_STORE_OK; i++) {
 		shapes[i] = b.drafts[i].shape;
 		created[i] = b.drafts[i].created;

@@ -117,10 +117,10 @@ eskel_store_status esk_file_check(const char *path, int newest_version, eskel_st
 	return status;
 }
 
-eskel_store_status esk_file_check_room(int descriptor, uint64_t bytes, eskel_store_error *error)
+eskel_store_status esk_file_check_room(const char *path, uint64_t bytes, eskel_store_error *error)
 {
 	struct statvfs disk;
-	if (fstatvfs(descriptor, &disk) != 0)
+	if (statvfs(path, &disk) != 0)
 		return esk_status_fail(
 			error, ESKEL_STORE_IO, "the free space of the disk cannot be read: %s", strerror(errno));
 	uint64_t room = (uint64_t)disk.f_bavail * disk.f_frsize;

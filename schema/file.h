@@ -18,7 +18,7 @@ void esk_file_unlock_and_remove(const char *path, int *lock);
 /* FOREIGN unless the file is empty or begins as a database of ours of at most this version. Writes nothing. */
 eskel_store_status esk_file_check(const char *path, int newest_version, eskel_store_error *error);
 
-/* FULL unless the file system of an open file has this many bytes to give. */
-eskel_store_status esk_file_check_room(int descriptor, uint64_t bytes, eskel_store_error *error);
+/* FULL unless the file's disk has this many bytes to give. */
+eskel_store_status esk_file_check_room(const char *path, uint64_t bytes, eskel_store_error *error);
 
 #endif

@@ -45,24 +45,31 @@ static eskel_store_status quick_check(sqlite3 *db, eskel_store_error *error)
 	return ESKEL_STORE_OK;
 }
 
+static eskel_store_status bring_up_to_date(sqlite3 *writer, eskel_store_error *error)
+{
+	eskel_store_status status = esk_migrate(writer, esk_steps, esk_step_count, error);
+	if (status == ESKEL_STORE_OK)
+		status = esk_connection_use_wal(writer, error);
+	if (status == ESKEL_STORE_OK)
+		status = quick_check(writer, error);
+	return status;
+}
+
+/* Beside a server the file is as that server has left it, or it is refused. */
 static eskel_store_status bring_up(eskel_store *store, const char *path, bool beside_server, eskel_store_error *error)
 {
 	eskel_store_status status = esk_file_resolve(path, &store->path, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_file_lock(store->path, &store->lock, error);
-	bool beside = status == ESKEL_STORE_LOCKED && beside_server;
-	if (status != ESKEL_STORE_OK && !beside)
+	store->is_beside = status == ESKEL_STORE_LOCKED && beside_server;
+	if (status != ESKEL_STORE_OK && !store->is_beside)
 		return status;
 	status = esk_file_check(store->path, esk_step_count, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_connection_open(store->path, ESK_CONNECTION_WRITE, &store->writer, error);
 	if (status == ESKEL_STORE_OK)
-		status = beside ? esk_migrate_check(store->writer, esk_step_count, error)
-				: esk_migrate(store->writer, esk_steps, esk_step_count, error);
-	if (status == ESKEL_STORE_OK)
-		status = esk_connection_use_wal(store->writer, error);
-	if (status == ESKEL_STORE_OK)
-		status = quick_check(store->writer, error);
+		status = store->is_beside ? esk_migrate_check(store->writer, esk_step_count, error)
+					  : bring_up_to_date(store->writer, error);
 	if (status == ESKEL_STORE_OK)
 		esk_write_prepare(store);
 	return status;

@@ -12,7 +12,8 @@ struct esk_write; /* write.c */
 
 struct eskel_store {
 	char *path;
-	int lock; /* the locked file's descriptor, -1: none */
+	int lock;       /* the locked file's descriptor, -1: none */
+	bool is_beside; /* another process has the lock: its shapes are not ours to change */
 	uint64_t least_free_bytes;
 	atomic_bool read_only; /* set for good when a write could not be made durable */
 

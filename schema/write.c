@@ -3,7 +3,7 @@
 #include "statement.h"
 #include "status.h"
 
-/* Pages in the write-ahead log from which a commit copies them to the database: SQLite's own default, 4 MB. */
+/* Pages in the write-ahead log from which a commit copies them to the database: 16 MB. */
 static const int checkpoint_pages = 1000;
 
 struct esk_write {
@@ -30,6 +30,8 @@ static bool run_change(sqlite3 *writer, struct esk_write *write)
 	if (write->status != ESKEL_STORE_OK)
 		return false;
 	write->status = write->change(writer, write->context, write->error);
+	if (sqlite3_get_autocommit(writer) && write->status == ESKEL_STORE_OK)
+		write->status = esk_status_fail(write->error, ESKEL_STORE_IO, "SQLite ended the transaction by itself");
 	if (sqlite3_get_autocommit(writer) || write->status == ESKEL_STORE_IO || write->status == ESKEL_STORE_CORRUPT)
 		return false;
 	eskel_store_status ended = ESKEL_STORE_OK;
@@ -109,6 +111,14 @@ eskel_store_status esk_write(eskel_store *store, esk_change change, void *contex
 	}
 	pthread_mutex_unlock(&store->writes_mutex);
 	return mine.status;
+}
+
+eskel_store_status esk_write_shapes(eskel_store *store, esk_change change, void *context, eskel_store_error *error)
+{
+	if (store->is_beside)
+		return esk_status_fail(error, ESKEL_STORE_LOCKED,
+			"only the server that has %s open can change its shapes", store->path);
+	return esk_write(store, change, context, error);
 }
 
 static int count_log_pages(void *context, sqlite3 *writer, const char *schema, int pages)

@@ -15,6 +15,9 @@ typedef eskel_store_status (*esk_change)(sqlite3 *writer, void *context, eskel_s
  * failed for the disk (IO) may have landed: the store is then read-only, and the change must be harmless to repeat. */
 eskel_store_status esk_write(eskel_store *store, esk_change change, void *context, eskel_store_error *error);
 
+/* The same for a change of shapes: LOCKED beside a server, which would not learn of it. */
+eskel_store_status esk_write_shapes(eskel_store *store, esk_change change, void *context, eskel_store_error *error);
+
 /* READ_ONLY after a write that could not be made durable. */
 eskel_store_status esk_write_allowed(eskel_store *store, eskel_store_error *error);
 

@@ -45,7 +45,7 @@ typedef struct {
 	uint64_t least_free_bytes; /* enrollment is refused (FULL) when the disk has less; default 64 MiB, so that
 	                              deletions still find room */
 	bool beside_server;        /* open a file that a server has locked: for tokens and the audit, of which servers
-	                              keep nothing in memory. Shapes must not be changed then */
+	                              keep nothing in memory. A change of shapes is refused then (LOCKED) */
 } eskel_store_options;
 
 /* Creates the file (mode 0600) or opens it, brings its schema up to date step by step, and takes its lock. A file with
@@ -160,7 +160,7 @@ ESKEL_API bool eskel_filter_is_none(const eskel_filter *filter);
 /* At most limit shapes with key > after, ascending; *more says whether others follow. */
 ESKEL_API eskel_store_status eskel_store_list(eskel_store *store, const eskel_filter *filter, int64_t after,
 	size_t limit, eskel_shape **shapes, size_t *count, bool *more, eskel_store_error *error);
-/* The keys alone, ascending: what a search compares with. free() them. */
+/* The keys alone, ascending: what a search compares with. free() them; not NULL when there are none. */
 ESKEL_API eskel_store_status eskel_store_keys(eskel_store *store, const eskel_filter *filter, int64_t **keys,
 	size_t *count, eskel_store_error *error);
 ESKEL_API eskel_store_status eskel_store_count(eskel_store *store, uint64_t *count, eskel_store_error *error);

@@ -102,6 +102,45 @@ static void another_process_is_locked_out_by_any_name_of_the_file(void **state)
 	free(link);
 }
 
+/* What the daemon's token commands do while it runs. */
+static int administer(const char *path)
+{
+	const eskel_store_options options = {.beside_server = true};
+	eskel_store *beside = NULL;
+	eskel_token token;
+	char text[ESKEL_TOKEN_TEXT_SIZE];
+	if (eskel_store_open(path, &options, &beside, NULL) != ESKEL_STORE_OK)
+		return 1;
+	if (sample_enroll(beside, 2, NULL, NULL) != ESKEL_STORE_LOCKED)
+		return 2;
+	if (eskel_store_token_add(beside, "beside", ESKEL_ROLE_READ, 0, text, &token, NULL) != ESKEL_STORE_OK)
+		return 3;
+	eskel_store_close(beside);
+	return 0;
+}
+
+static void beside_a_server_tokens_can_be_made_and_shapes_cannot_be_changed(void **state)
+{
+	store_fixture *f = *state;
+	assert_ok(sample_enroll(f->store, 1, NULL, &f->error), f);
+	pid_t child = fork();
+	if (child == 0)
+		_exit(administer(f->path));
+	int outcome = 0;
+	assert_int_equal(waitpid(child, &outcome, 0), child);
+	assert_true(WIFEXITED(outcome));
+	assert_int_equal(WEXITSTATUS(outcome), 0);
+	eskel_token *tokens = NULL;
+	size_t count = 0;
+	assert_ok(eskel_store_tokens(f->store, &tokens, &count, &f->error), f);
+	assert_int_equal(count, 1);
+	assert_string_equal(tokens[0].name, "beside");
+	free(tokens);
+	uint64_t rows = 0;
+	assert_ok(eskel_store_audit_verify(f->store, &rows, &f->error), f);
+	assert_int_equal(rows, 2);
+}
+
 static void assert_refused_untouched(store_fixture *f, const char *path, const char *reason)
 {
 	size_t size, size_after;
@@ -369,6 +408,7 @@ int main(void)
 		store_test(a_new_database_is_its_owners_alone_and_says_whose_it_is),
 		store_test(a_second_open_is_locked_until_the_first_closes),
 		store_test(another_process_is_locked_out_by_any_name_of_the_file),
+		store_test(beside_a_server_tokens_can_be_made_and_shapes_cannot_be_changed),
 		store_test(a_file_that_is_no_database_is_refused_untouched),
 		store_test(a_database_of_another_program_is_refused_untouched),
 		store_test(a_newer_schema_is_refused_untouched),
