@@ -8,13 +8,15 @@
 
 static const struct {
 	esk_command command;
-	const char *words[2], *argument, *help;
+	const char *first, *second; /* its words; NULL: none */
+	const char *argument, *usage, *help;
 } commands[] = {
-	{ESK_SERVE, {NULL, NULL}, NULL, "serve the database until SIGTERM"},
-	{ESK_TOKEN_ADD, {"token", "add"}, "NAME", "make a bearer token and print it, once"},
-	{ESK_TOKEN_LIST, {"token", "list"}, NULL, "list the tokens: number, role, validity, name"},
-	{ESK_TOKEN_REVOKE, {"token", "revoke"}, "NUMBER", "make a token worthless from now on"},
-	{ESK_AUDIT_VERIFY, {"audit", "verify"}, NULL, "check the chain of hashes over all recorded changes"},
+	{ESK_SERVE, NULL, NULL, NULL, "eskeld", "serve the database until SIGTERM"},
+	{ESK_TOKEN_ADD, "token", "add", "a NAME", "eskeld token add NAME", "make a bearer token and print it, once"},
+	{ESK_TOKEN_LIST, "token", "list", NULL, "eskeld token list", "list the tokens"},
+	{ESK_TOKEN_REVOKE, "token", "revoke", "a NUMBER", "eskeld token revoke NUMBER",
+		"make a token worthless at once"},
+	{ESK_AUDIT_VERIFY, "audit", "verify", NULL, "eskeld audit verify", "check the hash chain of all changes"},
 };
 
 enum kind { TEXT, LIST, NUMBER };
@@ -32,7 +34,7 @@ static const struct row {
 	uint64_t initial, least, most; /* of a NUMBER */
 	const char *help;
 } rows[] = {
-	{"database", ~0u, TEXT, AT(database), "FILE", 0, 0, 0, "the database; a server makes it if it is not there"},
+	{"database", ~0u, TEXT, AT(database), "FILE", 0, 0, 0, "the database, made if it is not there"},
 	{"listen", ESK_SERVE, TEXT, AT(listen), "ADDRESS:PORT", 0, 0, 0,
 		"default 127.0.0.1:8467; [::1]:8467; port 0 takes a free one. Other than loopback needs a token"},
 	{"host", ESK_SERVE, LIST, AT(hosts), "NAME", 0, 0, 0,
@@ -59,33 +61,58 @@ enum { COMMANDS = sizeof commands / sizeof *commands, ROWS = sizeof rows / sizeo
 
 /* ---- help */
 
+enum { INDENT = 26, WIDTH = 100 };
+
+/* Prints words after a head of INDENT columns, none of them past WIDTH. */
+static void print_wrapped(const char *words)
+{
+	int column = INDENT;
+	while (*words) {
+		int size = (int)strcspn(words, " ");
+		if (column + 1 + size > WIDTH) {
+			printf("\n%*s", INDENT, "");
+			column = INDENT;
+		}
+		printf(" %.*s", size, words);
+		column += 1 + size;
+		words += size;
+		words += *words == ' ';
+	}
+	printf("\n");
+}
+
+/* 1G rather than 1073741824. */
+static const char *short_number(uint64_t n, char text[24])
+{
+	bool whole = n >= GIB && n % GIB == 0;
+	snprintf(text, 24, "%" PRIu64 "%s", whole ? n / GIB : n, whole ? "G" : "");
+	return text;
+}
+
 static void print_row(const struct row *row)
 {
-	char head[64];
+	char head[64], words[256], initial[24], least[24], most[24];
 	snprintf(head, sizeof head, "--%s %s", row->name, row->value);
-	printf("  %-24s %s", head, row->help);
-	if (row->kind == LIST)
-		printf(" (at most %d)", ESK_MOST_HOSTS);
 	if (row->kind == NUMBER)
-		printf(" (%" PRIu64 "; %" PRIu64 " to %" PRIu64 ")", row->initial, row->least, row->most);
-	printf("\n");
+		snprintf(words, sizeof words, "%s (%s; %s to %s)", row->help, short_number(row->initial, initial),
+			short_number(row->least, least), short_number(row->most, most));
+	else if (row->kind == LIST)
+		snprintf(words, sizeof words, "%s (up to %d times)", row->help, ESK_MOST_HOSTS);
+	else
+		snprintf(words, sizeof words, "%s", row->help);
+	printf("  %-*s", INDENT - 2, head);
+	print_wrapped(words);
 }
 
 static void print_help(void)
 {
 	printf("eskeld, the shape recognition database server\n\n");
-	for (int c = 0; c < COMMANDS; c++) {
-		char words[64];
-		snprintf(words, sizeof words, "eskeld%s%s%s%s%s%s", commands[c].words[0] ? " " : "",
-			commands[c].words[0] ? commands[c].words[0] : "", commands[c].words[1] ? " " : "",
-			commands[c].words[1] ? commands[c].words[1] : "", commands[c].argument ? " " : "",
-			commands[c].argument ? commands[c].argument : "");
-		printf("%-26s %s\n", words, commands[c].help);
-	}
+	for (int c = 0; c < COMMANDS; c++)
+		printf("%-*s %s\n", INDENT, commands[c].usage, commands[c].help);
 	static const struct {
 		unsigned command;
 		const char *title;
-	} sections[] = {{~0u, "Always"}, {ESK_SERVE, "To serve"}, {ESK_TOKEN_ADD, "token add"}};
+	} sections[] = {{~0u, "Always needed"}, {ESK_SERVE, "To serve"}, {ESK_TOKEN_ADD, "token add"}};
 	for (size_t s = 0; s < sizeof sections / sizeof *sections; s++) {
 		printf("\n%s:\n", sections[s].title);
 		for (int r = 0; r < ROWS; r++)
@@ -182,8 +209,8 @@ static int take_command(int argc, char **argv, esk_options *options)
 		return 1;
 	}
 	for (int c = 0; c < COMMANDS && argc > 2; c++) {
-		if (!commands[c].words[0] || strcmp(argv[1], commands[c].words[0]) != 0 ||
-			strcmp(argv[2], commands[c].words[1]) != 0)
+		if (!commands[c].first || strcmp(argv[1], commands[c].first) != 0 ||
+			strcmp(argv[2], commands[c].second) != 0)
 			continue;
 		options->command = commands[c].command;
 		return 3;
@@ -191,20 +218,21 @@ static int take_command(int argc, char **argv, esk_options *options)
 	return 0;
 }
 
-static bool needs_argument(esk_command command)
+/* What the command's argument is, NULL when it takes none. */
+static const char *argument_of(esk_command command)
 {
 	for (int c = 0; c < COMMANDS; c++)
 		if (commands[c].command == command)
 			return commands[c].argument;
-	return false;
+	return NULL;
 }
 
 static esk_options_result check_whole(const esk_options *options)
 {
 	if (!options->database)
 		return wrong("--database is missing");
-	if (needs_argument(options->command) && !options->argument)
-		return wrong("the command needs %s", options->command == ESK_TOKEN_ADD ? "a NAME" : "a NUMBER");
+	if (argument_of(options->command) && !options->argument)
+		return wrong("the command needs %s", argument_of(options->command));
 	if (!options->tls_certificate != !options->tls_key)
 		return wrong("--tls-certificate and --tls-key belong together");
 	return ESK_OPTIONS_RUN;
@@ -233,7 +261,7 @@ esk_options_result esk_options_parse(int argc, char **argv, esk_options *options
 		if (!strncmp(argv[i], "--", 2)) {
 			if (take_option(argc, argv, &i, &out) != ESK_OPTIONS_RUN)
 				return ESK_OPTIONS_WRONG;
-		} else if (!out.argument && needs_argument(out.command)) {
+		} else if (!out.argument && argument_of(out.command)) {
 			out.argument = argv[i];
 		} else {
 			return wrong("%s is one word too many", argv[i]);

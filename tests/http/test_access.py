@@ -1,6 +1,10 @@
 """Who is let in, and what is said about them: Host, other sites, tokens, roles, rates, headers, the log."""
+import http.client
 import os
 import re
+import shutil
+import ssl
+import subprocess
 import tempfile
 import time
 import unittest
@@ -154,6 +158,37 @@ class Rates(unittest.TestCase):
             self.assertEqual(daemon.get("/shapes", token="wrong")[0], 401)
             self.assertEqual(daemon.get("/shapes", token="wrong")[0], 429)
             self.assertEqual(daemon.get("/shapes", token=good)[0], 200)
+
+
+@unittest.skipUnless(shutil.which("openssl"), "openssl, which makes the certificate, is not installed")
+class Tls(unittest.TestCase):
+    def setUp(self):
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.certificate, self.key = (os.path.join(self.folder, name) for name in ("certificate.pem", "key.pem"))
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days",
+                        "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost", "-keyout", self.key,
+                        "-out", self.certificate], check=True, capture_output=True)
+
+    def test_https_is_served_with_the_certificate(self):
+        with Daemon("--tls-certificate", self.certificate, "--tls-key", self.key) as daemon:
+            self.assertTrue(daemon.url.startswith("https://"))
+            trusting = ssl.create_default_context(cafile=self.certificate)
+            connection = http.client.HTTPSConnection("localhost", daemon.port, context=trusting, timeout=20)
+            for _ in range(3):
+                connection.request("POST", "/recognize", blob(1))
+                self.assertEqual(connection.getresponse().read()[:12], b'{"results":[')
+            connection.close()
+            with daemon.socket() as plain:
+                plain.sendall(b"GET /healthz HTTP/1.1\r\n" + HOST + b"\r\n")
+                self.assertFalse(plain.recv(1000).startswith(b"HTTP/"))
+
+    def test_a_key_that_is_none_is_said(self):
+        database = os.path.join(self.folder, "shapes.eskel")
+        for key in (self.certificate, os.path.join(self.folder, "none.pem")):
+            status, _, err = administer("--listen", "127.0.0.1:0", "--tls-certificate", self.certificate, "--tls-key", key,
+                                        database=database)
+            self.assertEqual(status, 1)
+            self.assertRegex(err, "key|PEM|none.pem")
 
 
 class Log(unittest.TestCase):
