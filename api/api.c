@@ -67,14 +67,23 @@ static void set_defaults(eskel_api_options *options)
 		options->most_distances = MOST_DISTANCES;
 }
 
+/* A deletion that waits goes before enrollments that come later, or it might wait for ever. */
+static void init_lock(pthread_rwlock_t *lock)
+{
+	pthread_rwlockattr_t attributes;
+	pthread_rwlockattr_init(&attributes);
+	pthread_rwlockattr_setkind_np(&attributes, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
+	pthread_rwlock_init(lock, &attributes);
+	pthread_rwlockattr_destroy(&attributes);
+}
+
 eskel_store_status eskel_api_open(
 	const char *database, const eskel_api_options *options, eskel_api **api, eskel_store_error *error)
 {
 	eskel_api *opened = calloc(1, sizeof *opened);
-	if (!opened || pthread_mutex_init(&opened->changing, NULL) != 0) {
-		free(opened);
+	if (!opened)
 		return refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
-	}
+	init_lock(&opened->changing);
 	if (options)
 		opened->options = *options;
 	set_defaults(&opened->options);
@@ -94,7 +103,7 @@ void eskel_api_close(eskel_api *api)
 		return;
 	eskel_library_free(api->library);
 	eskel_store_close(api->store);
-	pthread_mutex_destroy(&api->changing);
+	pthread_rwlock_destroy(&api->changing);
 	free(api);
 }
 

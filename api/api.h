@@ -6,14 +6,15 @@
 
 #include <pthread.h>
 
-/* The store is the truth and the library its signatures in memory, under the same keys. changing is held over each
- * change of the store together with that of the library, so that an enrollment and a deletion of one shape cannot
- * cross. Nobody who only reads takes it: a reader may see a key of the library that the store has just dropped, and
- * leaves it out. */
+/* The store is the truth and the library its signatures in memory, under the same keys. A change of both is not one step:
+ * whoever enrolls shares the lock changing from its last look at the store until the library follows, whoever patches or
+ * deletes has it alone. So an enrollment and a deletion of one shape cannot cross, and enrollments still meet in one
+ * commit of the store. Nobody who only reads takes it: a reader may see a key of the library that the store has just
+ * dropped, and leaves it out. */
 struct eskel_api {
 	eskel_store *store;
 	eskel_library *library;
-	pthread_mutex_t changing;
+	pthread_rwlock_t changing;
 	eskel_api_options options;
 };
 

@@ -91,13 +91,20 @@ static bool compute(eskel_exchange *exchange, esk_matrix *matrix, eskel_status *
 	return *status == ESKEL_NOT_FOUND || esk_problem_engine(&exchange->problem, *status, NULL);
 }
 
+/* Whoever holds the lock alone knows that no change is under way. */
+static void wait_for_changes(eskel_api *api)
+{
+	pthread_rwlock_wrlock(&api->changing);
+	pthread_rwlock_unlock(&api->changing);
+}
+
 static bool make(eskel_exchange *exchange, esk_matrix *matrix)
 {
 	eskel_status status = ESKEL_NOT_FOUND;
 	for (int attempt = 0; attempt < MOST_ATTEMPTS && status == ESKEL_NOT_FOUND; attempt++) {
 		clear(matrix);
-		pthread_mutex_lock(&exchange->api->changing); /* waits for a change under way, holds none up */
-		pthread_mutex_unlock(&exchange->api->changing);
+		if (attempt > 0)
+			wait_for_changes(exchange->api);
 		bool read =
 			exchange->query.id_count > 0 ? read_named(exchange, matrix) : read_filtered(exchange, matrix);
 		if (!read || !compute(exchange, matrix, &status))

@@ -1,7 +1,7 @@
 /* POST /shapes: the labels of a volume become shapes, all or none.
  *
  * A label whose cloud is stored already is left as it is, so its skeleton is not computed again. Whether it is stored
- * is asked before the long computation and once more under the lock that no deletion can cross; if a shape was deleted
+ * is asked before the long computation and once more under the lock that keeps deletions out; if a shape was deleted
  * between the two, its missing skeleton is computed and the lock taken again. */
 #include "exchange.h"
 #include "resources.h"
@@ -128,7 +128,7 @@ static void collect(enrolling *work)
 			work->shapes[i] = work->enrolled[next++];
 }
 
-/* Under the lock. work->done stays false when a skeleton has become missing. */
+/* Under the shared lock. work->done stays false when a skeleton has become missing. */
 static bool commit(eskel_exchange *exchange, enrolling *work)
 {
 	eskel_store_error error = {0};
@@ -156,9 +156,9 @@ static bool enroll(eskel_exchange *exchange, enrolling *work)
 	while (!work->done) {
 		if (!analyse_missing(exchange, work))
 			return false;
-		pthread_mutex_lock(&exchange->api->changing);
+		pthread_rwlock_rdlock(&exchange->api->changing);
 		bool good = commit(exchange, work);
-		pthread_mutex_unlock(&exchange->api->changing);
+		pthread_rwlock_unlock(&exchange->api->changing);
 		if (!good)
 			return false;
 	}

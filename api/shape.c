@@ -88,7 +88,7 @@ static bool read_for_change(eskel_exchange *exchange, eskel_shape *shape)
 	return check_if_match(exchange, etag);
 }
 
-/* Both changes happen under the lock, from reading the shape on: nobody else can change it meanwhile. */
+/* Both changes have the lock alone from reading the shape on: nobody else can change it meanwhile. */
 
 static bool patch(eskel_exchange *exchange, eskel_shape *shape, eskel_shape *patched)
 {
@@ -104,9 +104,9 @@ static bool patch(eskel_exchange *exchange, eskel_shape *shape, eskel_shape *pat
 bool esk_shape_patch(eskel_exchange *exchange)
 {
 	eskel_shape shape = {0}, patched = {0};
-	pthread_mutex_lock(&exchange->api->changing);
+	pthread_rwlock_wrlock(&exchange->api->changing);
 	bool good = patch(exchange, &shape, &patched);
-	pthread_mutex_unlock(&exchange->api->changing);
+	pthread_rwlock_unlock(&exchange->api->changing);
 	good = good && answer_shape(exchange, &patched);
 	eskel_shape_clear(&shape);
 	eskel_shape_clear(&patched);
@@ -131,9 +131,9 @@ static bool delete_shape(eskel_exchange *exchange, eskel_shape *shape)
 bool esk_shape_delete(eskel_exchange *exchange)
 {
 	eskel_shape shape = {0};
-	pthread_mutex_lock(&exchange->api->changing);
+	pthread_rwlock_wrlock(&exchange->api->changing);
 	bool good = delete_shape(exchange, &shape);
-	pthread_mutex_unlock(&exchange->api->changing);
+	pthread_rwlock_unlock(&exchange->api->changing);
 	eskel_shape_clear(&shape);
 	return good && esk_exchange_answer_nothing(exchange, 204);
 }
