@@ -24,6 +24,7 @@ void esk_metrics_request(esk_metrics *metrics, const char *route, const char *me
 	X(TOKEN, "token") \
 	X(RATE, "rate") \
 	X(QUEUE, "queue") \
+	X(STOPPING, "stopping") \
 	X(SLOW, "slow")
 
 #define ESK_REJECTION_CODE(code, text) ESK_REJECT_##code,

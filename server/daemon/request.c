@@ -138,7 +138,9 @@ static esk_refusal check_caller(esk_request *request, eskel_request *head)
 /* The first thing that is wrong with the head, in the order of what is cheapest and least trusting. */
 static esk_refusal check(esk_request *request, eskel_request *head, const char *version)
 {
-	const esk_server *server = request->server;
+	esk_server *server = request->server;
+	if (atomic_load(&server->draining)) /* read after in_flight was raised: drain sees this request, or it this */
+		return (esk_refusal){503, ESK_REJECT_STOPPING, "the server is stopping", true};
 	if (head->header_count == MOST_HEADERS)
 		return (esk_refusal){431, ESK_REJECT_FRAMING, "there are 128 header fields or more", true};
 	esk_refusal refusal = esk_guard_framing(head, version);

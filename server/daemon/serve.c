@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -187,16 +188,14 @@ static void announce(const esk_listener *listener, bool tls, const esk_server *s
 	fflush(stdout);
 }
 
-/* Takes no more connections and waits for the requests under way: until there is none, the time is over, or the
+/* Takes no more connections and requests and waits for the requests under way: until there is none, the time is over, or the
  * signal comes again. */
 static bool drain(esk_server *server, struct MHD_Daemon *daemon, uint64_t seconds)
 {
 	sigset_t set = stop_signals();
 	int64_t until = esk_clock_now() + (int64_t)seconds * 1000;
 	atomic_store(&server->draining, true);
-	int listening = MHD_quiesce_daemon(daemon);
-	if (listening >= 0)
-		close(listening);
+	shutdown(MHD_quiesce_daemon(daemon), SHUT_RDWR); /* closed later: network threads may not have let go of it */
 	esk_log_message("draining", "%zu requests are under way", atomic_load(&server->in_flight));
 	const struct timespec moment = {0, 10000000};
 	while (atomic_load(&server->in_flight) && esk_clock_now() < until)
@@ -222,9 +221,11 @@ static bool run(const esk_options *options, esk_server *server, const esk_tls *t
 		esk_log_message("stopped", "%zu requests were abandoned", atomic_load(&server->in_flight));
 		_exit(0);
 	}
-	esk_queue_stop(server->queue); /* first: a worker may still be leaving MHD_resume_connection */
+	/* The queue first: a worker may still be leaving MHD_resume_connection. Requests that come now do not reach it. */
+	esk_queue_stop(server->queue);
 	server->queue = NULL;
 	MHD_stop_daemon(daemon);
+	close(listener->fd);
 	esk_log_message("stopped", "all requests were answered");
 	return true;
 }

@@ -23,7 +23,7 @@ typedef struct {
 	size_t host_count;
 	atomic_size_t in_flight; /* requests from the end of their head to that of their reply */
 	atomic_bool listening;
-	atomic_bool draining; /* connections are closed after their next reply */
+	atomic_bool draining; /* new requests are refused, connections closed after their reply */
 } esk_server;
 
 #endif

@@ -29,17 +29,25 @@ class Browser:
         return shutil.which(DRIVER) is not None
 
     def __enter__(self):
-        self.process = subprocess.Popen([DRIVER, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        for line in self.process.stdout:
-            if "started successfully on port" in line:
-                self.root = f"http://127.0.0.1:{line.strip().rstrip('.').rsplit(' ', 1)[1]}"
-                break
+        self.start_driver()
         if self.mobile:
             self.options["mobileEmulation"] = self.mobile
         wanted = {"goog:chromeOptions": self.options, "goog:loggingPrefs": {"browser": "ALL"}}
         made = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
         self.session = "/session/" + made["sessionId"]
         return self
+
+    def start_driver(self):
+        """The port that it chooses may be taken a moment later, then it ends: once more."""
+        for _ in range(3):
+            self.process = subprocess.Popen([DRIVER, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            for line in self.process.stdout:
+                if "started successfully on port" in line:
+                    self.root = f"http://127.0.0.1:{line.strip().rstrip('.').rsplit(' ', 1)[1]}"
+                    return
+            self.process.stdout.close()
+            self.process.wait()
+        raise WebDriverError("chromedriver does not start")
 
     def __exit__(self, *_):
         try:

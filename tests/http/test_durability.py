@@ -11,6 +11,9 @@ from daemon import HOST, Daemon, administer, receive, split_replies, wait_until
 from volumes import blob
 
 
+NEXT = b"GET /healthz HTTP/1.1\r\n" + HOST + b"\r\n"
+
+
 class Files(unittest.TestCase):
     def setUp(self):
         self.folder = self.enterContext(tempfile.TemporaryDirectory())
@@ -32,10 +35,15 @@ class Stop(Files):
     def test_what_is_under_way_at_sigterm_is_finished(self):
         volume = blob(1)
         for number in (signal.SIGTERM, signal.SIGINT):
-            with Daemon(database=self.database) as daemon, self.begin_upload(daemon, volume) as upload:
+            with Daemon(database=self.database) as daemon, self.begin_upload(daemon, volume) as upload, daemon.socket() as other:
+                other.sendall(NEXT)
+                receive(other, 1)
                 daemon.process.send_signal(number)
                 wait_until(lambda: "event=draining" in daemon.log_text(), "it drains")
                 self.assertRaises(ConnectionRefusedError, daemon.socket)
+                other.sendall(NEXT)
+                received, closed = receive(other)
+                self.assertEqual((split_replies(received), closed), ([503], True), "what comes later is refused")
                 upload.sendall(volume[500:])
                 received, closed = receive(upload)
                 self.assertIn(split_replies(received), ([201], [200]))
@@ -60,7 +68,7 @@ class Stop(Files):
 
     def test_an_idle_connection_does_not_hold_it_up(self):
         with Daemon(database=self.database) as daemon, daemon.socket() as idle:
-            idle.sendall(b"GET /healthz HTTP/1.1\r\n" + HOST + b"\r\n")
+            idle.sendall(NEXT)
             receive(idle, 1)
             self.assertEqual(daemon.stop(patience=8), 0)
 
