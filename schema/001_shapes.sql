@@ -23,8 +23,8 @@ CREATE TABLE shape (
 	age REAL CHECK (age >= 0)                 -- years
 ) STRICT;
 
-CREATE INDEX shape_by_class ON shape (class, side);
-CREATE INDEX shape_by_side ON shape (side);
+CREATE INDEX shape_by_class ON shape (class);
+CREATE INDEX shape_by_side ON shape (side, class);
 CREATE INDEX shape_by_subject ON shape (subject);
 
 CREATE TABLE attribute (
