@@ -63,7 +63,7 @@ static void describe(int fd, esk_listener *listener)
 		struct sockaddr any;
 		struct sockaddr_in v4;
 		struct sockaddr_in6 v6;
-	} bound;
+	} bound = {.v6 = {0}};
 	socklen_t size = sizeof bound;
 	char text[INET6_ADDRSTRLEN];
 	getsockname(fd, &bound.any, &size);
