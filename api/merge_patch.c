@@ -203,6 +203,8 @@ bool esk_description_patch(eskel_description *description, const char *json, siz
 {
 	json_error_t error;
 	json_t *patch = json_loadb(json ? json : "", size, JSON_REJECT_DUPLICATES, &error);
+	if (!patch && !error.text[0]) /* jansson has no word for it */
+		return esk_problem_no_memory(problem);
 	if (!patch)
 		return esk_problem_set(problem, 400, "the body is not JSON at line %d, column %d: %s", error.line,
 			error.column, error.text);
