@@ -8,27 +8,30 @@
 #ifndef ESK_BOUND_H
 #define ESK_BOUND_H
 
+#include "columns.h"
 #include "distance.h"
 
 typedef struct {
 	const esk_query *query;
-	/* For levels 1..16: the means of the numbers over the classes of level k, and over levels 1..k, at k - 1. */
-	float level_means[ESK_SUMMED_LEVELS][ESK_NUMBERS_MAX], total_means[ESK_SUMMED_LEVELS][ESK_NUMBERS_MAX];
-	/* Sums of absolute numbers: of level_means, of total_means, of the mean class of any level. */
+	/* For levels 1..16: rows of the means of the numbers over the classes of level k, and over levels 1..k. */
+	float level_means[ESK_SUMMED_LEVELS * ESK_NUMBERS_MAX], total_means[ESK_SUMMED_LEVELS * ESK_NUMBERS_MAX];
+	/* Sums of absolute numbers: of a row of level_means, of total_means, of the mean class of any level. */
 	double level_magnitudes[ESK_SUMMED_LEVELS], total_magnitudes[ESK_SUMMED_LEVELS];
-	double magnitudes[ESKEL_LEVELS_MAX];
+	double class_magnitudes[ESKEL_LEVELS_MAX];
 } esk_bound;
 
 void esk_bound_init(esk_bound *bound, const esk_query *query);
 
-/* By the means over all levels for the first count slots, into bounds[count]: a scan of few columns. When levels are not
- * summed, by the means of the level. */
+/* For the first count slots by the means over all levels: a scan of a few columns. When levels are not summed, by the
+ * means of the level. */
 void esk_bound_scan(const esk_bound *bound, const esk_columns *columns, uint32_t count, float *bounds);
 /* By the means of each level that counts. */
-double esk_bound_by_means(const esk_bound *bound, esk_shape other);
-/* By sorted numbers; levels[k - 1] receives the bound of D_k for each level that counts. */
-double esk_bound_by_sorting(const esk_bound *bound, esk_shape other, double *levels);
+double esk_bound_by_means(const esk_bound *bound, const esk_columns *columns, uint32_t slot);
+/* By sorted numbers, level after level in place of means, until the bound exceeds enough. Then or at the end
+ * levels[k - 1] is a bound of D_k for each level that counts. */
+double esk_bound_by_sorting(const esk_bound *bound, const esk_columns *columns, uint32_t slot, const esk_shape *shape,
+	double enough, double *levels);
 /* From a D_k or a lower bound of it for each level that counts. */
-double esk_bound_of_levels(const esk_query *query, esk_shape other, const double *levels);
+double esk_bound_of_levels(const esk_query *query, const esk_shape *other, const double *levels);
 
 #endif

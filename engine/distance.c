@@ -19,7 +19,7 @@
 enum { default_level = 10 };
 static const double size_weight = 0.2;
 
-eskel_status esk_query_init(esk_query *query, esk_shape shape, const eskel_distance_options *options)
+eskel_status esk_query_init(esk_query *query, const esk_shape *shape, const eskel_distance_options *options)
 {
 	const eskel_distance_options chosen = options ? *options : (eskel_distance_options){0};
 	if ((unsigned)chosen.signature > ESKEL_SIGNATURE_PAPER || (unsigned)chosen.distance > ESKEL_DISTANCE_LEVEL ||
@@ -36,7 +36,9 @@ eskel_status esk_query_init(esk_query *query, esk_shape shape, const eskel_dista
 	};
 	if (made.summed)
 		made.deepest = ESK_SUMMED_LEVELS;
-	const uint32_t numbers = esk_numbers(made.signature), levels = esk_shape_level_count(shape);
+	if (made.signature == ESKEL_SIGNATURE_LOG && made.size_counts)
+		made.size_weight = size_weight;
+	const uint32_t numbers = esk_numbers(made.signature), levels = shape->level_count;
 	made.owned = esk_memory_array(2 * ESKEL_NODES(levels), numbers * sizeof(float));
 	if (!made.owned)
 		return ESKEL_NO_MEMORY;
@@ -56,30 +58,13 @@ void esk_query_clear(esk_query *query)
 	query->owned = NULL;
 }
 
-uint32_t esk_query_depth(const esk_query *query, esk_shape other)
-{
-	uint32_t depth = query->deepest;
-	if (depth > esk_shape_level_count(query->shape))
-		depth = esk_shape_level_count(query->shape);
-	if (depth > esk_shape_level_count(other))
-		depth = esk_shape_level_count(other);
-	return depth;
-}
-
-double esk_query_size_term(const esk_query *query, esk_shape other)
-{
-	if (query->signature == ESKEL_SIGNATURE_PAPER || !query->size_counts)
-		return 0;
-	return size_weight * (double)fabsf(esk_shape_log_volume(query->shape) - esk_shape_log_volume(other));
-}
-
-const float *esk_query_sorted(const esk_query *query, esk_shape other, uint32_t level, float *scratch)
+const float *esk_query_sorted(const esk_query *query, const esk_shape *other, uint32_t level, float *scratch)
 {
 	const float *features = esk_shape_sorted(other, level);
 	if (query->signature == ESKEL_SIGNATURE_LOG)
 		return features;
-	float unit = query->size_counts ? esk_shape_scale(other) : 1;
-	esk_features_lengths(features, (size_t)ESK_PAPER_NUMBERS * level, unit, scratch);
+	float unit = query->size_counts ? other->scale : 1;
+	esk_shape_lengths(features, (size_t)ESK_PAPER_NUMBERS * level, unit, scratch);
 	return scratch;
 }
 
@@ -116,7 +101,7 @@ static bool comes_first(const float *a, const float *b, uint32_t count)
 /* The least cost of a level, with the costs and the columns of rows that give it, and whether rows are classes of the
  * other shape. */
 static double solve_level(
-	const esk_query *query, esk_shape other, uint32_t level, float *costs, uint32_t *column_of_row, bool *swapped)
+	const esk_query *query, const esk_shape *other, uint32_t level, float *costs, uint32_t *column_of_row, bool *swapped)
 {
 	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX];
 	const float *mine = query->rows[level - 1];
@@ -130,7 +115,7 @@ static double solve_level(
 	return esk_assignment_solve(level, costs, column_of_row);
 }
 
-double esk_query_level(const esk_query *query, esk_shape other, uint32_t level)
+double esk_query_level(const esk_query *query, const esk_shape *other, uint32_t level)
 {
 	float costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
@@ -139,20 +124,20 @@ double esk_query_level(const esk_query *query, esk_shape other, uint32_t level)
 	return query->signature == ESKEL_SIGNATURE_LOG ? cost / level : cost;
 }
 
-double esk_query_combine(const esk_query *query, esk_shape other, const double *levels)
+double esk_query_combine(const esk_query *query, const esk_shape *other, const double *levels)
 {
 	const uint32_t depth = esk_query_depth(query, other);
 	if (!query->summed)
-		return levels[depth - 1] + esk_query_size_term(query, other);
+		return levels[depth - 1] + esk_query_size_term(query, other->log_volume);
 	double sum = 0;
 	for (uint32_t k = 1; k <= depth; k++)
 		sum += query->signature == ESKEL_SIGNATURE_LOG ? levels[k - 1] : levels[k - 1] / k;
 	if (query->signature == ESKEL_SIGNATURE_LOG)
 		sum /= depth;
-	return sum + esk_query_size_term(query, other);
+	return sum + esk_query_size_term(query, other->log_volume);
 }
 
-double esk_query_distance(const esk_query *query, esk_shape other, double *levels)
+double esk_query_distance(const esk_query *query, const esk_shape *other, double *levels)
 {
 	double unasked[ESKEL_LEVELS_MAX];
 	const uint32_t depth = esk_query_depth(query, other);
@@ -166,35 +151,32 @@ double esk_query_distance(const esk_query *query, esk_shape other, double *level
 
 /* Two signatures made comparable. */
 typedef struct {
-	esk_columns *columns;
+	esk_shape *a, *b;
 	esk_query query;
-	esk_shape other;
 } pair;
-
-static eskel_status pair_init(
-	pair *p, const eskel_signature *a, const eskel_signature *b, const eskel_distance_options *options)
-{
-	esk_columns *columns = NULL;
-	eskel_status status = esk_columns_new(2, &columns);
-	if (status == ESKEL_OK)
-		status = esk_columns_put(columns, 0, a);
-	if (status == ESKEL_OK)
-		status = esk_columns_put(columns, 1, b);
-	if (status == ESKEL_OK)
-		status = esk_query_init(&p->query, (esk_shape){columns, 0}, options);
-	if (status != ESKEL_OK) {
-		esk_columns_free(columns);
-		return status;
-	}
-	p->columns = columns;
-	p->other = (esk_shape){columns, 1};
-	return ESKEL_OK;
-}
 
 static void pair_clear(pair *p)
 {
 	esk_query_clear(&p->query);
-	esk_columns_free(p->columns);
+	esk_shape_release(p->a);
+	esk_shape_release(p->b);
+}
+
+static eskel_status pair_init(
+	pair *p, const eskel_signature *a, const eskel_signature *b, const eskel_distance_options *options)
+{
+	pair made = {0};
+	eskel_status status = esk_shape_new(a, &made.a);
+	if (status == ESKEL_OK)
+		status = esk_shape_new(b, &made.b);
+	if (status == ESKEL_OK)
+		status = esk_query_init(&made.query, made.a, options);
+	if (status != ESKEL_OK) {
+		pair_clear(&made);
+		return status;
+	}
+	*p = made;
+	return ESKEL_OK;
 }
 
 eskel_status eskel_distance(const eskel_signature *a, const eskel_signature *b, const eskel_distance_options *options,
@@ -204,9 +186,9 @@ eskel_status eskel_distance(const eskel_signature *a, const eskel_signature *b, 
 	eskel_status status = pair_init(&p, a, b, options);
 	if (status != ESKEL_OK)
 		return status;
-	*distance = esk_query_distance(&p.query, p.other, levels);
+	*distance = esk_query_distance(&p.query, p.b, levels);
 	if (level_count)
-		*level_count = esk_query_depth(&p.query, p.other);
+		*level_count = esk_query_depth(&p.query, p.b);
 	pair_clear(&p);
 	return ESKEL_OK;
 }
@@ -224,7 +206,7 @@ eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
 	bool swapped;
 	match->level = level;
-	match->cost = solve_level(&p.query, p.other, level, costs, column_of_row, &swapped);
+	match->cost = solve_level(&p.query, p.b, level, costs, column_of_row, &swapped);
 	for (uint32_t row = 0; row < level; row++) {
 		uint32_t column = column_of_row[row], mine = swapped ? column : row;
 		match->other[mine] = swapped ? row : column;

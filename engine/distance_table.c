@@ -32,7 +32,7 @@ static size_t first_with_key(const wanted *sorted, size_t count, int64_t key)
 }
 
 /* Walks the whole library once: only its writer has an index. */
-static size_t find_sorted(const esk_snapshot *snapshot, const wanted *sorted, size_t count, esk_shape *shapes)
+static size_t find_sorted(const esk_snapshot *snapshot, const wanted *sorted, size_t count, const esk_shape **shapes)
 {
 	size_t found = 0;
 	for (uint32_t c = 0; c < snapshot->directory->chunk_count && found < count; c++) {
@@ -44,16 +44,16 @@ static size_t find_sorted(const esk_snapshot *snapshot, const wanted *sorted, si
 				continue;
 			size_t at = first_with_key(sorted, count, chunk->keys[slot]);
 			for (; at < count && sorted[at].key == chunk->keys[slot]; at++, found++)
-				shapes[sorted[at].position] = (esk_shape){chunk->columns, slot};
+				shapes[sorted[at].position] = chunk->shapes[slot];
 		}
 	}
 	return found;
 }
 
-static eskel_status find(const esk_snapshot *snapshot, const int64_t *keys, size_t count, esk_shape **shapes)
+static eskel_status find(const esk_snapshot *snapshot, const int64_t *keys, size_t count, const esk_shape ***shapes)
 {
 	wanted *sorted = esk_memory_array(count, sizeof *sorted);
-	esk_shape *made = esk_memory_array(count, sizeof *made);
+	const esk_shape **made = esk_memory_array(count, sizeof *made);
 	eskel_status status = sorted && made ? ESKEL_OK : ESKEL_NO_MEMORY;
 	for (size_t n = 0; status == ESKEL_OK && n < count; n++)
 		sorted[n] = (wanted){keys[n], n};
@@ -78,7 +78,7 @@ static void free_queries(esk_query *queries, size_t count)
 }
 
 static eskel_status make_queries(
-	const esk_shape *shapes, size_t count, const eskel_distance_options *options, esk_query **queries)
+	const esk_shape **shapes, size_t count, const eskel_distance_options *options, esk_query **queries)
 {
 	esk_query *made = esk_memory_zeroed_array(count, sizeof *made);
 	eskel_status status = made ? ESKEL_OK : ESKEL_NO_MEMORY;
@@ -93,7 +93,7 @@ static eskel_status make_queries(
 }
 
 /* When rows and columns are the same list, the lower triangle is the upper one to the last bit (distance.c). */
-static void fill(const esk_query *rows, size_t row_count, const esk_shape *columns, size_t column_count, bool same,
+static void fill(const esk_query *rows, size_t row_count, const esk_shape **columns, size_t column_count, bool same,
 	double *distances)
 {
 	for (size_t r = 0; r < row_count; r++)
@@ -108,7 +108,7 @@ eskel_status eskel_library_distances(const eskel_library *library, const int64_t
 {
 	if (row_count == 0 || column_count == 0)
 		return ESKEL_OK;
-	esk_shape *row_shapes = NULL, *column_shapes = NULL;
+	const esk_shape **row_shapes = NULL, **column_shapes = NULL;
 	esk_query *queries = NULL;
 	esk_snapshot snapshot = esk_library_snapshot(library);
 	eskel_status status = find(&snapshot, rows, row_count, &row_shapes);

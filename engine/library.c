@@ -119,9 +119,10 @@ static eskel_status add(eskel_library *library, int64_t key, const eskel_signatu
 		return status;
 	esk_chunk *chunk = last_chunk(library);
 	const uint32_t slot = chunk->count;
-	status = esk_columns_put(chunk->columns, slot, signature);
+	status = esk_shape_new(signature, &chunk->shapes[slot]);
 	if (status != ESKEL_OK)
 		return status;
+	esk_columns_put(&chunk->columns, slot, chunk->shapes[slot]);
 	chunk->keys[slot] = key;
 	chunk->count++;
 	esk_key_index_insert(&library->index, (esk_key_place){key, chunk, slot});
@@ -140,7 +141,7 @@ eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_
 	return status;
 }
 
-/* A full copy of the shapes that are left, in a chunk that has no room for others; NULL if none is. */
+/* The shapes that are left, in a chunk that has no room for others; NULL if none is. */
 static eskel_status copy_survivors(const esk_chunk *chunk, esk_chunk **copy)
 {
 	const uint32_t removed = atomic_load_explicit(&chunk->removed_count, memory_order_relaxed);
@@ -150,15 +151,14 @@ static eskel_status copy_survivors(const esk_chunk *chunk, esk_chunk **copy)
 		return ESKEL_OK;
 	}
 	eskel_status status = esk_chunk_new(chunk->count - removed, &made);
-	for (uint32_t slot = 0; status == ESKEL_OK && slot < chunk->count; slot++) {
+	if (status != ESKEL_OK)
+		return status;
+	for (uint32_t slot = 0; slot < chunk->count; slot++) {
 		if (atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) != ESK_NEVER)
 			continue;
-		status = esk_columns_copy(made->columns, made->count, (esk_shape){chunk->columns, slot});
+		made->shapes[made->count] = esk_shape_hold(chunk->shapes[slot]);
+		esk_columns_put(&made->columns, made->count, chunk->shapes[slot]);
 		made->keys[made->count++] = chunk->keys[slot];
-	}
-	if (status != ESKEL_OK) {
-		esk_chunk_free(made);
-		return status;
 	}
 	*copy = made;
 	return ESKEL_OK;

@@ -53,6 +53,15 @@ void esk_ranked_select(esk_ranked *all, size_t n, size_t count)
 	}
 }
 
+const esk_ranked *esk_ranked_last(const esk_ranked *all, size_t n)
+{
+	const esk_ranked *last = all;
+	for (size_t i = 1; i < n; i++)
+		if (esk_ranked_before(last, &all[i]))
+			last = &all[i];
+	return last;
+}
+
 static int compare(const void *a, const void *b)
 {
 	return esk_ranked_before(a, b) ? -1 : esk_ranked_before(b, a);

@@ -20,6 +20,8 @@ static inline bool esk_ranked_before(const esk_ranked *a, const esk_ranked *b)
 
 /* Puts the first count of all in front, in any order. O(n) on average. */
 void esk_ranked_select(esk_ranked *all, size_t n, size_t count);
+/* The last of all, which are at least one. */
+const esk_ranked *esk_ranked_last(const esk_ranked *all, size_t n);
 void esk_ranked_sort(esk_ranked *all, size_t n);
 
 /* The nearest of all candidates offered so far: a heap with the farthest of them on top. */

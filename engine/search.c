@@ -80,7 +80,7 @@ static eskel_status write_neighbours(esk_search *search)
 	esk_ranked_sort(answer->items, answer->count);
 	result->count = answer->count;
 	for (size_t n = 0; n < answer->count; n++) {
-		const esk_shape shape = esk_snapshot_shape(&search->snapshot, answer->items[n].id);
+		const esk_shape *shape = esk_snapshot_shape(&search->snapshot, answer->items[n].id);
 		eskel_neighbour *neighbour = &result->neighbours[n];
 		neighbour->key = answer->items[n].key;
 		neighbour->distance = esk_query_distance(&search->query, shape, neighbour->levels);
@@ -91,11 +91,9 @@ static eskel_status write_neighbours(esk_search *search)
 
 static eskel_status run(esk_search *search, const eskel_signature *signature, const eskel_search_options *options)
 {
-	eskel_status status = esk_columns_new(1, &search->columns);
+	eskel_status status = esk_shape_new(signature, &search->shape);
 	if (status == ESKEL_OK)
-		status = esk_columns_put(search->columns, 0, signature);
-	if (status == ESKEL_OK)
-		status = esk_query_init(&search->query, (esk_shape){search->columns, 0}, &options->distance);
+		status = esk_query_init(&search->query, search->shape, &options->distance);
 	if (status == ESKEL_OK)
 		status = choose_participants(search, options);
 	if (status != ESKEL_OK)
@@ -131,7 +129,7 @@ eskel_status eskel_library_search(const eskel_library *library, const eskel_sign
 	esk_nearest_clear(&search.answer);
 	free(search.participants);
 	esk_query_clear(&search.query);
-	esk_columns_free(search.columns);
+	esk_shape_release(search.shape);
 	esk_directory_release(search.snapshot.directory);
 	if (status != ESKEL_OK) {
 		eskel_search_result_free(made);

@@ -8,7 +8,7 @@
 
 typedef struct {
 	esk_snapshot snapshot;
-	esk_columns *columns; /* the query's own, one slot */
+	esk_shape *shape; /* the query's */
 	esk_query query;
 	uint64_t (*participants)[ESK_CHUNK_WORDS]; /* for each chunk a bit for each slot */
 	size_t participant_count;

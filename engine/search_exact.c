@@ -1,10 +1,10 @@
 /* The exact search: the answer of comparing with every shape, without doing so.
  *
  * It walks coarse to fine like the paper's, but a shape is discarded only when a lower bound of its distance (bound.h)
- * exceeds the distance of the last shape in the answer so far. Three steps apply ever tighter bounds; after each of the
- * first two, the most promising shapes are compared, so that the next step has an answer to discard against.
- * What is left is matched level by level, nearest bound first, each level's distance taking the place of its bound, until
- * the shape is discarded or its distance known.
+ * exceeds the distance of the last shape in the answer so far. To have an answer from the start, the shapes that look
+ * nearest are compared first. Then three steps apply ever tighter bounds: means over all levels, means of each level,
+ * sorted numbers. What is left is matched level by level, nearest bound first, each level's distance taking the place
+ * of its bound, until the shape is discarded or its distance known.
  *
  * Where bound and answer are equal a shape stays in: ties are decided by key. */
 #include "search.h"
@@ -15,131 +15,187 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Compared beyond those wanted after a step, in the hope that the answer is among them. */
-enum { spare_seeds = 8 };
+/* The nearest by the tightest bound of the nearest by the loosest are compared first. More of either discard more, but
+ * cost more; with these the first threshold is seldom far above the last. */
+enum { spare_seeds = 8, scouts_per_seed = 16 };
 
 typedef struct {
-	double bound; /* infinite once compared */
+	double bound;
 	uint32_t id;
 } candidate;
 
 typedef struct {
 	esk_search *search;
 	esk_bound bound;
-	candidate *candidates;
+	float *bounds;         /* by id, after the scan; infinite for shapes that are out or compared */
+	candidate *candidates; /* those that the scan leaves */
 	size_t count;
 } walk;
 
-static esk_shape shape_of(const walk *w, const candidate *c)
+static double threshold(const walk *w)
 {
-	return esk_snapshot_shape(&w->search->snapshot, c->id);
+	return esk_nearest_threshold(&w->search->answer);
 }
 
-static void scan(walk *w)
+static double bound_by_means(const walk *w, uint32_t id)
 {
-	const esk_search *search = w->search;
-	for (uint32_t chunk = 0; chunk < search->snapshot.directory->chunk_count; chunk++) {
-		const uint32_t slots = esk_snapshot_slots(&search->snapshot, chunk);
-		float bounds[ESK_CHUNK_SLOTS];
-		esk_bound_scan(&w->bound, search->snapshot.directory->chunks[chunk]->columns, slots, bounds);
-		for (uint32_t slot = 0; slot < slots; slot++)
-			if (esk_search_takes(search, chunk, slot))
-				w->candidates[w->count++] =
-					(candidate){(double)bounds[slot], esk_snapshot_id(chunk, slot)};
+	const esk_chunk *chunk = w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
+	return esk_bound_by_means(&w->bound, &chunk->columns, id % ESK_CHUNK_SLOTS);
+}
+
+static double bound_by_sorting(const walk *w, uint32_t id, double enough, double *levels)
+{
+	const esk_chunk *chunk = w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
+	const uint32_t slot = id % ESK_CHUNK_SLOTS;
+	return esk_bound_by_sorting(&w->bound, &chunk->columns, slot, chunk->shapes[slot], enough, levels);
+}
+
+/* Bounds every shape, and takes those of least bound as scouts. */
+static void scan(walk *w, esk_nearest *scouts)
+{
+	const esk_snapshot *snapshot = &w->search->snapshot;
+	for (uint32_t chunk = 0; chunk < snapshot->directory->chunk_count; chunk++) {
+		const uint32_t slots = esk_snapshot_slots(snapshot, chunk);
+		float *bounds = w->bounds + (size_t)chunk * ESK_CHUNK_SLOTS;
+		esk_bound_scan(&w->bound, &snapshot->directory->chunks[chunk]->columns, slots, bounds);
+		for (uint32_t slot = 0; slot < ESK_CHUNK_SLOTS; slot++) {
+			const uint32_t id = esk_snapshot_id(chunk, slot);
+			if (!esk_search_takes(w->search, chunk, slot))
+				bounds[slot] = INFINITY;
+			else if ((double)bounds[slot] <= esk_nearest_threshold(scouts))
+				esk_nearest_offer(
+					scouts, (esk_ranked){(double)bounds[slot], esk_snapshot_key(snapshot, id), id});
+		}
 	}
 }
 
-/* Compares the candidates of least bound, as many as are wanted and some to spare. */
-static bool compare_seeds(walk *w)
+static void choose_seeds(const walk *w, const esk_nearest *scouts, esk_nearest *seeds)
+{
+	for (size_t s = 0; s < scouts->count; s++) {
+		double levels[ESKEL_LEVELS_MAX];
+		esk_ranked seed = scouts->items[s];
+		seed.distance = bound_by_sorting(w, seed.id, esk_nearest_threshold(seeds), levels);
+		esk_nearest_offer(seeds, seed);
+	}
+}
+
+static void compare_seeds(walk *w, const esk_nearest *seeds)
 {
 	esk_search *search = w->search;
-	esk_nearest seeds;
-	if (!esk_nearest_init(&seeds, search->answer.wanted + spare_seeds))
-		return false;
-	for (size_t n = 0; n < w->count; n++)
-		if (w->candidates[n].bound <= esk_nearest_threshold(&seeds))
-			esk_nearest_offer(
-				&seeds, (esk_ranked){w->candidates[n].bound,
-						esk_snapshot_key(&search->snapshot, w->candidates[n].id), (uint32_t)n});
-	for (size_t s = 0; s < seeds.count; s++) {
-		candidate *seed = &w->candidates[seeds.items[s].id];
-		esk_search_answer(search, seed->id, esk_query_distance(&search->query, shape_of(w, seed), NULL));
-		seed->bound = (double)INFINITY;
-		search->result->compared++;
+	for (size_t s = 0; s < seeds->count; s++) {
+		const uint32_t id = seeds->items[s].id;
+		const esk_shape *shape = esk_snapshot_shape(&search->snapshot, id);
+		esk_search_answer(search, id, esk_query_distance(&search->query, shape, NULL));
+		w->bounds[id] = INFINITY;
 	}
-	esk_nearest_clear(&seeds);
+	search->result->compared = seeds->count;
+}
+
+/* Ends a step that has left count candidates. */
+static void end_step(walk *w, size_t count)
+{
+	w->count = count;
+	esk_search_end_step(w->search, count + w->search->result->compared);
+}
+
+static bool list_candidates(walk *w)
+{
+	const size_t ids = (size_t)w->search->snapshot.directory->chunk_count * ESK_CHUNK_SLOTS;
+	size_t count = 0;
+	for (size_t id = 0; id < ids; id++)
+		count += (double)w->bounds[id] <= threshold(w);
+	w->candidates = esk_memory_array(count, sizeof *w->candidates);
+	if (!w->candidates)
+		return false;
+	end_step(w, count);
+	for (size_t id = 0, n = 0; n < count; id++)
+		if ((double)w->bounds[id] <= threshold(w))
+			w->candidates[n++] = (candidate){(double)w->bounds[id], (uint32_t)id};
 	return true;
 }
 
-static void discard(walk *w)
+static void discard_by_means(walk *w)
 {
-	const double threshold = esk_nearest_threshold(&w->search->answer);
 	size_t kept = 0;
-	for (size_t n = 0; n < w->count; n++)
-		if (w->candidates[n].bound <= threshold)
-			w->candidates[kept++] = w->candidates[n];
-	w->count = kept;
-	esk_search_end_step(w->search, kept + w->search->result->compared);
+	for (size_t n = 0; n < w->count; n++) {
+		candidate c = w->candidates[n];
+		c.bound = bound_by_means(w, c.id);
+		if (c.bound <= threshold(w))
+			w->candidates[kept++] = c;
+	}
+	end_step(w, kept);
 }
 
-/* Levels that are matched replace their bounds one by one. */
-static void match_levels(walk *w, const candidate *c)
+static void discard_by_sorting(walk *w)
+{
+	size_t kept = 0;
+	double levels[ESKEL_LEVELS_MAX];
+	for (size_t n = 0; n < w->count; n++) {
+		candidate c = w->candidates[n];
+		c.bound = bound_by_sorting(w, c.id, threshold(w), levels);
+		if (c.bound <= threshold(w))
+			w->candidates[kept++] = c;
+	}
+	end_step(w, kept);
+}
+
+static void match_levels(walk *w, uint32_t id)
 {
 	const esk_query *query = &w->search->query;
-	const esk_shape other = shape_of(w, c);
-	const uint32_t depth = esk_query_depth(query, other);
+	const esk_shape *shape = esk_snapshot_shape(&w->search->snapshot, id);
+	const uint32_t depth = esk_query_depth(query, shape);
 	double levels[ESKEL_LEVELS_MAX];
-	esk_bound_by_sorting(&w->bound, other, levels);
+	bound_by_sorting(w, id, (double)INFINITY, levels);
 	for (uint32_t k = query->summed ? 1 : depth; k <= depth; k++) {
-		levels[k - 1] = esk_query_level(query, other, k);
-		if (k < depth && esk_bound_of_levels(query, other, levels) > esk_nearest_threshold(&w->search->answer))
+		levels[k - 1] = esk_query_level(query, shape, k);
+		if (k < depth && esk_bound_of_levels(query, shape, levels) > threshold(w))
 			return;
 	}
-	esk_search_answer(w->search, c->id, esk_query_combine(query, other, levels));
+	esk_search_answer(w->search, id, esk_query_combine(query, shape, levels));
 	w->search->result->compared++;
 }
 
 static int by_bound(const void *a, const void *b)
 {
 	const candidate *x = a, *y = b;
-	return x->bound < y->bound ? -1 : x->bound > y->bound;
+	if (x->bound != y->bound)
+		return x->bound < y->bound ? -1 : 1;
+	return x->id < y->id ? -1 : x->id > y->id;
 }
 
-static eskel_status run(walk *w)
+static void match_candidates(walk *w)
 {
-	scan(w);
-	if (!compare_seeds(w))
-		return ESKEL_NO_MEMORY;
-	discard(w);
-	for (size_t n = 0; n < w->count; n++)
-		w->candidates[n].bound = esk_bound_by_means(&w->bound, shape_of(w, &w->candidates[n]));
-	if (!compare_seeds(w))
-		return ESKEL_NO_MEMORY;
-	discard(w);
-	for (size_t n = 0; n < w->count; n++) {
-		double levels[ESKEL_LEVELS_MAX];
-		w->candidates[n].bound = esk_bound_by_sorting(&w->bound, shape_of(w, &w->candidates[n]), levels);
-	}
-	discard(w);
 	if (w->count > 1)
 		qsort(w->candidates, w->count, sizeof *w->candidates, by_bound);
-	for (size_t n = 0; n < w->count; n++) {
-		if (w->candidates[n].bound > esk_nearest_threshold(&w->search->answer))
-			break;
-		match_levels(w, &w->candidates[n]);
-	}
-	w->search->result->proven = true;
-	return ESKEL_OK;
+	for (size_t n = 0; n < w->count && w->candidates[n].bound <= threshold(w); n++)
+		match_levels(w, w->candidates[n].id);
 }
 
 eskel_status esk_search_exact(esk_search *search)
 {
+	const size_t seed_count = search->answer.wanted + spare_seeds;
+	eskel_status status = ESKEL_NO_MEMORY;
+	esk_nearest scouts = {0}, seeds = {0};
 	walk w = {.search = search};
-	w.candidates = esk_memory_array(search->participant_count, sizeof *w.candidates);
-	if (!w.candidates)
-		return ESKEL_NO_MEMORY;
+	w.bounds = esk_memory_array(search->snapshot.directory->chunk_count, ESK_CHUNK_SLOTS * sizeof *w.bounds);
+	if (!w.bounds || !esk_nearest_init(&scouts, scouts_per_seed * seed_count) ||
+		!esk_nearest_init(&seeds, seed_count))
+		goto cleanup;
 	esk_bound_init(&w.bound, &search->query);
-	eskel_status status = run(&w);
+	scan(&w, &scouts);
+	choose_seeds(&w, &scouts, &seeds);
+	compare_seeds(&w, &seeds);
+	if (!list_candidates(&w))
+		goto cleanup;
+	discard_by_means(&w);
+	discard_by_sorting(&w);
+	match_candidates(&w);
+	search->result->proven = true;
+	status = ESKEL_OK;
+cleanup:
+	esk_nearest_clear(&scouts);
+	esk_nearest_clear(&seeds);
+	free(w.bounds);
 	free(w.candidates);
 	return status;
 }

@@ -9,7 +9,9 @@ void esk_chunk_free(esk_chunk *chunk)
 {
 	if (!chunk)
 		return;
-	esk_columns_free(chunk->columns);
+	for (uint32_t slot = 0; slot < chunk->count; slot++)
+		esk_shape_release(chunk->shapes[slot]);
+	esk_columns_clear(&chunk->columns);
 	free(chunk);
 }
 
@@ -18,7 +20,7 @@ eskel_status esk_chunk_new(uint32_t capacity, esk_chunk **chunk)
 	esk_chunk *made = esk_memory_zeroed_array(1, sizeof *made);
 	if (!made)
 		return ESKEL_NO_MEMORY;
-	eskel_status status = esk_columns_new(capacity, &made->columns);
+	eskel_status status = esk_columns_init(&made->columns, capacity);
 	if (status != ESKEL_OK) {
 		free(made);
 		return status;

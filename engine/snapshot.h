@@ -9,11 +9,11 @@
 #ifndef ESK_SNAPSHOT_H
 #define ESK_SNAPSHOT_H
 
-#include "feature_columns.h"
+#include "columns.h"
 
 #include <stdatomic.h>
 
-/* A level-1 column of a chunk fits the first-level cache, and a chunk of 16 levels is 0.9 MB. */
+/* The columns that a scan sums over fit the first-level cache. */
 enum { ESK_CHUNK_SLOTS = 256, ESK_CHUNK_WORDS = ESK_CHUNK_SLOTS / 64 };
 
 #define ESK_NEVER UINT64_MAX
@@ -23,7 +23,8 @@ typedef struct {
 	uint32_t capacity;      /* at most ESK_CHUNK_SLOTS */
 	uint32_t count;         /* slots filled */
 	atomic_uint removed_count;
-	esk_columns *columns;
+	esk_columns columns;
+	esk_shape *shapes[ESK_CHUNK_SLOTS];
 	int64_t keys[ESK_CHUNK_SLOTS];
 	atomic_uint_least64_t removed_at[ESK_CHUNK_SLOTS]; /* ESK_NEVER until removed */
 } esk_chunk;
@@ -65,9 +66,9 @@ static inline uint32_t esk_snapshot_id(uint32_t chunk, uint32_t slot)
 	return chunk * ESK_CHUNK_SLOTS + slot;
 }
 
-static inline esk_shape esk_snapshot_shape(const esk_snapshot *snapshot, uint32_t id)
+static inline const esk_shape *esk_snapshot_shape(const esk_snapshot *snapshot, uint32_t id)
 {
-	return (esk_shape){snapshot->directory->chunks[id / ESK_CHUNK_SLOTS]->columns, id % ESK_CHUNK_SLOTS};
+	return snapshot->directory->chunks[id / ESK_CHUNK_SLOTS]->shapes[id % ESK_CHUNK_SLOTS];
 }
 
 static inline int64_t esk_snapshot_key(const esk_snapshot *snapshot, uint32_t id)

@@ -1,0 +1,63 @@
+/* The features of one shape: the 32-bit floats that stand for it wherever shapes are compared.
+ *
+ * The numbers of a signature are brought to volume 1, by dividing lengths by V^(1/3), and kept as
+ * f = ln(number + 0.02). The lengths in mm of the paper's signature are derived from the same floats by
+ * (exp f - 0.02) V^(1/3), so there is one copy, and every route to a distance starts from the same bits.
+ *
+ * A level is 5 rows of k floats, one row a number, each row ascending; a rank says which of a row belongs to which
+ * class. Sorted rows are all that lower bounds need (bound.h), and a search computes far more bounds than matchings,
+ * which must put the classes together again.
+ *
+ * All of a shape lies in one piece, deepest level last: after a scan of the columns (columns.h) a search
+ * reads most of a few shapes, not a little of many. A shape never changes; its holders count themselves. */
+#ifndef ESK_SHAPE_H
+#define ESK_SHAPE_H
+
+#include "eskel.h"
+
+#include <stdatomic.h>
+
+enum {
+	ESK_NUMBERS_MAX = ESKEL_SIGNATURE_NUMBERS,
+	ESK_PAPER_NUMBERS = 4,  /* the paper's signature has no solidity */
+	ESK_SUMMED_LEVELS = 16, /* a distance sum goes no deeper */
+	ESK_LEVEL_FLOATS_MAX = ESK_NUMBERS_MAX * ESKEL_LEVELS_MAX
+};
+
+/* How many numbers a class has in a kind of signature. */
+static inline uint32_t esk_numbers(eskel_signature_kind kind)
+{
+	return kind == ESKEL_SIGNATURE_PAPER ? ESK_PAPER_NUMBERS : ESKEL_SIGNATURE_NUMBERS;
+}
+
+typedef struct {
+	atomic_uint references;
+	uint32_t level_count;
+	float log_volume; /* ln V */
+	float scale;      /* V^(1/3), mm */
+	float *numbers;   /* levels 1, 2, ..; in the same piece of memory, after the ranks */
+	uint8_t ranks[];  /* packed (shape.c) */
+} esk_shape;
+
+/* With one reference. ESKEL_INVALID when the signature is (signature.h). */
+eskel_status esk_shape_new(const eskel_signature *signature, esk_shape **shape);
+esk_shape *esk_shape_hold(esk_shape *shape);
+void esk_shape_release(esk_shape *shape);
+
+/* The 5 sorted rows of k features of a level that the shape has. */
+static inline const float *esk_shape_sorted(const esk_shape *shape, uint32_t level)
+{
+	return shape->numbers + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1);
+}
+
+/* Puts the first rows of a level, sorted alike, into the order of classes. */
+void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorted, uint32_t row_count, float *rows);
+
+/* lengths[n] = (exp features[n] - 0.02) unit; a length of 0 stays 0. */
+void esk_shape_lengths(const float *features, size_t count, float unit, float *lengths);
+
+/* For each of the levels 1..16 that the shape has, the means of the size-free numbers over the classes of the level:
+ * rows of esk_numbers(kind), and zeros for the other levels. */
+void esk_shape_level_means(const esk_shape *shape, eskel_signature_kind kind, float *means);
+
+#endif

@@ -1,0 +1,123 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "bound.h"
+#include "synthetic.h"
+
+#include <math.h>
+
+enum { combinations = 16, shapes = 60 };
+
+static eskel_distance_options combination(int n)
+{
+	return (eskel_distance_options){.signature = n & 1 ? ESKEL_SIGNATURE_PAPER : ESKEL_SIGNATURE_LOG,
+		.distance = n & 2 ? ESKEL_DISTANCE_LEVEL : ESKEL_DISTANCE_SUM,
+		.metric = n & 4 ? ESKEL_METRIC_EUCLIDEAN : ESKEL_METRIC_MANHATTAN,
+		.size = n & 8 ? ESKEL_SIZE_FREE : ESKEL_SIZE_FIXED};
+}
+
+/* Shapes in the columns that a search would read. */
+typedef struct {
+	esk_shape *shapes[shapes];
+	esk_columns columns;
+} shelf;
+
+static void put(shelf *s, uint32_t slot, eskel_signature *signature)
+{
+	assert_int_equal(esk_shape_new(signature, &s->shapes[slot]), ESKEL_OK);
+	esk_columns_put(&s->columns, slot, s->shapes[slot]);
+	eskel_signature_free(signature);
+}
+
+static void clear(shelf *s)
+{
+	for (int n = 0; n < shapes; n++)
+		esk_shape_release(s->shapes[n]);
+	esk_columns_clear(&s->columns);
+}
+
+static void assert_no_more(double bound, double distance, const char *name, int options, uint32_t a, uint32_t b)
+{
+	if (!(bound <= distance))
+		fail_msg("options %d, shapes %u and %u: bound by %s %.17g, distance %.17g", options, a, b, name, bound,
+			distance);
+}
+
+/* Every bound of every pair; returns the mean of the bounds by sorted numbers over the distances. */
+static double check_pairs(const shelf *s, int options)
+{
+	const eskel_distance_options chosen = combination(options);
+	double tightness = 0;
+	for (uint32_t a = 0; a < shapes; a++) {
+		esk_query query;
+		esk_bound bound;
+		float scanned[shapes];
+		assert_int_equal(esk_query_init(&query, s->shapes[a], &chosen), ESKEL_OK);
+		esk_bound_init(&bound, &query);
+		esk_bound_scan(&bound, &s->columns, shapes, scanned);
+		for (uint32_t b = 0; b < shapes; b++) {
+			double levels[ESKEL_LEVELS_MAX], bounds[ESKEL_LEVELS_MAX];
+			double distance = esk_query_distance(&query, s->shapes[b], levels);
+			double sorted =
+				esk_bound_by_sorting(&bound, &s->columns, b, s->shapes[b], (double)INFINITY, bounds);
+			assert_no_more((double)scanned[b], distance, "scan", options, a, b);
+			assert_no_more(esk_bound_by_means(&bound, &s->columns, b), distance, "means", options, a, b);
+			assert_no_more(sorted, distance, "sorting", options, a, b);
+			assert_no_more(
+				esk_bound_of_levels(&query, s->shapes[b], levels), distance, "levels", options, a, b);
+			const uint32_t depth = esk_query_depth(&query, s->shapes[b]);
+			for (uint32_t k = query.summed ? 1 : depth; k <= depth; k++)
+				assert_no_more(bounds[k - 1], levels[k - 1], "sorting a level", options, a, b);
+			tightness += a == b ? 0 : sorted / distance;
+		}
+		esk_query_clear(&query);
+	}
+	return tightness / (shapes * (shapes - 1));
+}
+
+static void bounds_of_unlike_shapes_are_never_above_the_distance(void **state)
+{
+	(void)state;
+	shelf s;
+	assert_int_equal(esk_columns_init(&s.columns, shapes), ESKEL_OK);
+	for (uint32_t n = 0; n < shapes; n++)
+		put(&s, n, synthetic_signature(n % 12, n, 0.2, n % 3 ? 16 : 1 + n % 20));
+	for (int o = 0; o < combinations; o++) {
+		double tightness = check_pairs(&s, o);
+		if (tightness < 0.5)
+			fail_msg("options %d: bounds are %g of the distances", o, tightness);
+	}
+	clear(&s);
+}
+
+/* Lengths that grow in steps about as small as the rounding of a feature: all differences have one sign, so a bound would
+ * equal the distance but for rounding. */
+static void bounds_of_nearly_equal_shapes_are_never_above_the_distance(void **state)
+{
+	(void)state;
+	shelf s;
+	assert_int_equal(esk_columns_init(&s.columns, shapes), ESKEL_OK);
+	for (uint32_t n = 0; n < shapes; n++) {
+		eskel_signature *signature = synthetic_signature(2, 1, 0, 16);
+		for (size_t row = 0; row < ESKEL_NODES(16); row++)
+			for (int i = 0; i < ESKEL_SIGNATURE_NUMBERS; i++)
+				signature->rows[row][i] *= 1 + 3e-8 * n;
+		signature->volume *= 1 + 1e-7 * (n % 5);
+		put(&s, n, signature);
+	}
+	for (int o = 0; o < combinations; o++)
+		check_pairs(&s, o);
+	clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(bounds_of_unlike_shapes_are_never_above_the_distance),
+		cmocka_unit_test(bounds_of_nearly_equal_shapes_are_never_above_the_distance),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
