@@ -1,11 +1,11 @@
-/* Cyclic Jacobi rotations: the classic method for a matrix this small, accurate for small eigenvalues too.
+/* One Givens rotation makes the matrix tridiagonal, LAPACK's implicit QL/QR does the rest.
  *
- * Why not LAPACK's dsyev: its last bits depend on the BLAS behind it, and OpenBLAS picks kernels by processor (the
- * same binary gave three different answers on five processor types), while the same cloud must give the same
- * skeleton on every machine. These few dozen operations have one order and one rounding. The tests use dsyev as the
- * oracle. */
+ * Not dsyev, which does both: its reduction runs on the BLAS, and OpenBLAS picks kernels by processor (the same binary
+ * gave three different last bits on five processor types), while the same cloud must give the same skeleton on every
+ * machine. dsteqr is scalar arithmetic in one order. */
 #include "eigen.h"
 
+#include <lapacke.h>
 #include <math.h>
 #include <string.h>
 
@@ -14,52 +14,19 @@ static const double equal_values = 1e-6;
 /* A congruence in doubles leaves this much of lambda_1 where a flat cloud has an eigenvalue 0. */
 static const double noise = 0x1p-44;
 
-enum { SWEEPS_MAX = 40 }; /* convergence is quadratic: 4 to 7 sweeps are usual */
-
-/* The rotation of rows and columns p and q that annihilates a[p][q]; the rows of v follow. */
-static void rotate(double a[3][3], double v[3][3], int p, int q)
+/* The rotation G in the plane of axes 1 and 2 that annihilates a[0][2]: G A G^T has this diagonal and off-diagonal. The
+ * columns of z are those of G^T, column by column. */
+static void make_tridiagonal(const double a[3][3], double diagonal[3], double off[2], double z[9])
 {
-	double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-	double t = copysign(1, theta) / (fabs(theta) + sqrt(theta * theta + 1));
-	double c = 1 / sqrt(t * t + 1), s = t * c;
-	int r = 3 - p - q; /* the third index */
-	a[p][p] -= t * a[p][q];
-	a[q][q] += t * a[p][q];
-	a[p][q] = a[q][p] = 0;
-	double rp = a[r][p], rq = a[r][q];
-	a[r][p] = a[p][r] = c * rp - s * rq;
-	a[r][q] = a[q][r] = s * rp + c * rq;
-	for (int i = 0; i < 3; i++) {
-		double vp = v[p][i], vq = v[q][i];
-		v[p][i] = c * vp - s * vq;
-		v[q][i] = s * vp + c * vq;
-	}
-}
-
-/* An entry that cannot change either diagonal entry any more is 0. */
-static bool is_negligible(const double a[3][3], int p, int q)
-{
-	double tiny = fabs(a[p][q]) * 0x1p-10;
-	return fabs(a[p][p]) + tiny == fabs(a[p][p]) && fabs(a[q][q]) + tiny == fabs(a[q][q]);
-}
-
-static bool diagonalise(double a[3][3], double v[3][3])
-{
-	for (int sweep = 0; sweep < SWEEPS_MAX; sweep++) {
-		bool rotated = false;
-		for (int p = 0; p < 2; p++)
-			for (int q = p + 1; q < 3; q++) {
-				if (is_negligible((const double(*)[3])a, p, q)) {
-					a[p][q] = a[q][p] = 0;
-					continue;
-				}
-				rotate(a, v, p, q);
-				rotated = true;
-			}
-		if (!rotated)
-			return true;
-	}
-	return false;
+	double length = sqrt(a[0][1] * a[0][1] + a[0][2] * a[0][2]);
+	double c = length > 0 ? a[0][1] / length : 1, s = length > 0 ? a[0][2] / length : 0;
+	double difference = a[2][2] - a[1][1];
+	diagonal[0] = a[0][0];
+	diagonal[1] = c * c * a[1][1] + 2 * c * s * a[1][2] + s * s * a[2][2];
+	diagonal[2] = s * s * a[1][1] - 2 * c * s * a[1][2] + c * c * a[2][2];
+	off[0] = length;
+	off[1] = c * s * difference + (c * c - s * s) * a[1][2];
+	memcpy(z, (double[9]){1, 0, 0, 0, c, s, 0, -s, c}, 9 * sizeof *z);
 }
 
 static void cross(const double a[3], const double b[3], double out[3])
@@ -123,28 +90,19 @@ static void choose_axes(esk_eigen *eigen)
 
 eskel_status esk_eigen_symmetric(const double matrix[3][3], esk_eigen *eigen)
 {
-	double a[3][3], v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	double a[3][3], values[3], off[2], z[9], work[4]; /* 2 (n - 1) */
 	for (int r = 0; r < 3; r++)
 		for (int c = r; c < 3; c++) {
 			if (!isfinite(matrix[r][c]))
 				return ESKEL_NUMERIC;
 			a[r][c] = a[c][r] = matrix[r][c];
 		}
-	if (!diagonalise(a, v))
+	make_tridiagonal((const double(*)[3])a, values, off, z);
+	if (LAPACKE_dsteqr_work(LAPACK_COL_MAJOR, 'V', 3, values, off, z, 3, work) != 0)
 		return ESKEL_NUMERIC;
-
-	int order[3] = {0, 1, 2}; /* stable: equal values keep the order of the coordinate axes */
-	for (int i = 1; i < 3; i++)
-		for (int j = i; j > 0 && a[order[j]][order[j]] > a[order[j - 1]][order[j - 1]]; j--) {
-			int swap = order[j];
-			order[j] = order[j - 1];
-			order[j - 1] = swap;
-		}
-	double greatest = a[order[0]][order[0]];
-	for (int i = 0; i < 3; i++) {
-		double value = a[order[i]][order[i]];
-		eigen->values[i] = value > noise * greatest ? value : 0;
-		memcpy(eigen->axes[i], v[order[i]], sizeof v[0]);
+	for (int i = 0; i < 3; i++) { /* LAPACK's values ascend */
+		eigen->values[i] = values[2 - i] > noise * values[2] ? values[2 - i] : 0;
+		memcpy(eigen->axes[i], &z[3 * (2 - i)], sizeof eigen->axes[i]);
 	}
 	choose_axes(eigen);
 	return ESKEL_OK;
