@@ -87,8 +87,8 @@ static eskel_store_status insert_row(sqlite3 *writer, draft *d, eskel_store_erro
 {
 	const eskel_enrollment *given = d->given;
 	esk_statement s = esk_statement_begin(writer,
-		"INSERT INTO shape (sha256, label, voxels, volume, centre_x, centre_y, centre_z, "
-		"levels, " ESK_DESCRIPTION_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+		"INSERT INTO shape (sha256, label, voxels, volume, centre_x, centre_y, centre_z, levels,"
+		" " ESK_DESCRIPTION_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 		" ON CONFLICT (id) DO NOTHING");
 	esk_bind_blob(&s, d->objects[ESK_OBJECT_CLOUD].sha256, ESK_SHA256_BYTES);
 	esk_bind_int64(&s, given->label);

@@ -32,8 +32,8 @@ static eskel_store_status read_version(sqlite3 *db, int *version, eskel_store_er
 	return status;
 }
 
-/* 16 KB pages hold five signatures of 16 levels or a skeleton: a third of the reads that 4 KB pages need to fill a
- * library, for twice the bytes in the log of an enrollment. */
+/* 16 KB pages hold five signatures of 16 levels or a skeleton: a fifth of the reads that 4 KB pages need to fill a
+ * library, for two and a half times the bytes in the log of an enrollment. */
 static const char new_database[] = "PRAGMA page_size = 16384";
 
 eskel_store_status esk_migrate(sqlite3 *db, const char *const *steps, int count, eskel_store_error *error)

@@ -1,9 +1,9 @@
 /* Reading ahead of a scan of all signatures.
  *
  * Shapes are stored one after the other, so the pages of the signatures lie scattered among those of clouds and
- * skeletons, and a scan of a file that is not in memory waits for the disk at each of them. A few threads that touch the
- * rows ahead of the scan keep the disk busy with many pages at a time: at 100,000 shapes a cold scan took 0.7 s instead
- * of 2.4 s. They only fill caches. What goes wrong in them is left for the scan to find. */
+ * skeletons, and a scan of a file that is not in memory waits for the disk at each of them. A few threads that touch
+ * the rows ahead of the scan keep the disk busy with many pages at a time: at 100,000 shapes a cold scan took 0.7 s
+ * instead of 2.4 s. They only fill caches. What goes wrong in them is left for the scan to find. */
 #ifndef ESK_PREFETCH_H
 #define ESK_PREFETCH_H
 

@@ -1,5 +1,5 @@
-/* A file is an image in memory, shared by all connections, and the real file under it. In the power loss modes the image
- * is the operating system's page cache: it holds what was written, the real file what has reached the disk. A block
+/* A file is an image in memory, shared by all connections, and the real file under it. In the power loss modes the
+ * image is the operating system's page cache: it holds what was written, the real file what has reached the disk. A block
  * that was written can reach the disk early, in any order and without its neighbours, as after a real loss of power. */
 #include "fault_vfs.h"
 

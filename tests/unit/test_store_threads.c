@@ -171,7 +171,7 @@ static void the_same_shapes_from_many_threads_are_stored_once(void **state)
 	assert_int_equal(rows, 20);
 }
 
-/* ------------------------------------------------------------------------------------------------ one commit for many */
+/* ------------------------------------------------------------------------------------------------ group commit */
 
 enum { clients = 8 };
 
@@ -184,7 +184,7 @@ static void *enroll_one(void *context)
 	return NULL;
 }
 
-/* Another program holds the lock until all clients wait: then they need two commits, the first one's and the others'. */
+/* Another program holds the lock until all clients wait: then two commits do, the first one's and the others'. */
 static void clients_that_wait_share_a_commit(void **state)
 {
 	const struct timespec until_all_wait = {.tv_nsec = 300000000};
