@@ -19,6 +19,25 @@
 enum { default_level = 10 };
 static const double size_weight = 0.2;
 
+/* False when memory ran out. */
+static bool make_rows(esk_query *query)
+{
+	const uint32_t numbers = esk_numbers(query->signature), levels = query->shape->level_count;
+	float *rows = esk_memory_array(2 * ESKEL_NODES(levels), numbers * sizeof *rows);
+	if (!rows)
+		return false;
+	query->owned = rows;
+	float *sorted = rows + ESKEL_NODES(levels) * numbers;
+	for (uint32_t k = 1; k <= levels; k++) {
+		query->sorted[k - 1] = esk_query_sorted(query, query->shape, k, sorted);
+		esk_shape_unsort(query->shape, k, query->sorted[k - 1], numbers, rows);
+		query->rows[k - 1] = rows;
+		rows += numbers * k;
+		sorted += numbers * k;
+	}
+	return true;
+}
+
 eskel_status esk_query_init(esk_query *query, const esk_shape *shape, const eskel_distance_options *options)
 {
 	const eskel_distance_options chosen = options ? *options : (eskel_distance_options){0};
@@ -38,16 +57,8 @@ eskel_status esk_query_init(esk_query *query, const esk_shape *shape, const eske
 		made.deepest = ESK_SUMMED_LEVELS;
 	if (made.signature == ESKEL_SIGNATURE_LOG && made.size_counts)
 		made.size_weight = size_weight;
-	const uint32_t numbers = esk_numbers(made.signature), levels = shape->level_count;
-	made.owned = esk_memory_array(2 * ESKEL_NODES(levels), numbers * sizeof(float));
-	if (!made.owned)
+	if (!make_rows(&made))
 		return ESKEL_NO_MEMORY;
-	float *rows = made.owned, *sorted = rows + ESKEL_NODES(levels) * numbers;
-	for (uint32_t k = 1; k <= levels; k++, rows += numbers * (k - 1), sorted += numbers * (k - 1)) {
-		made.sorted[k - 1] = esk_query_sorted(&made, shape, k, sorted);
-		esk_shape_unsort(shape, k, made.sorted[k - 1], numbers, rows);
-		made.rows[k - 1] = rows;
-	}
 	*query = made;
 	return ESKEL_OK;
 }
@@ -100,8 +111,8 @@ static bool comes_first(const float *a, const float *b, uint32_t count)
 
 /* The least cost of a level, with the costs and the columns of rows that give it, and whether rows are classes of the
  * other shape. */
-static double solve_level(
-	const esk_query *query, const esk_shape *other, uint32_t level, float *costs, uint32_t *column_of_row, bool *swapped)
+static double solve_level(const esk_query *query, const esk_shape *other, uint32_t level, float *costs,
+	uint32_t *column_of_row, bool *swapped)
 {
 	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX];
 	const float *mine = query->rows[level - 1];

@@ -239,7 +239,8 @@ ESKEL_API eskel_status eskel_skeleton_decode(const uint8_t *bytes, size_t size, 
 /* ---------------------------------------------------------------------------------------------- signature */
 
 /* Per class: sqrt(lambda_1), sqrt(lambda_2), sqrt(lambda_3), rho in mm (section 5.2.1), and the solidity
- * q = w V / (4/3 pi 5^1.5 sqrt(det M)), without unit, 1 for a solid ellipsoid, at most 1.25. */
+ * q = w V / (4/3 pi 5^1.5 sqrt(det M)), without unit, 1 for a solid ellipsoid, at most 1.25. They are 32-bit floats,
+ * widened, so that their bytes lose nothing. */
 #define ESKEL_SIGNATURE_NUMBERS 5
 
 typedef struct {
@@ -294,7 +295,7 @@ ESKEL_API eskel_status eskel_match_level(const eskel_signature *a, const eskel_s
 /* ---------------------------------------------------------------------------------------------- library */
 
 /* Signatures of many shapes, searched coarse to fine (section 5.3). Any number of threads may search while one at
- * a time adds or removes; readers never wait for writers. */
+ * a time adds or removes; readers never wait for writers, and see the library as it was when they began. */
 typedef struct eskel_library eskel_library;
 
 ESKEL_API eskel_status eskel_library_new(eskel_library **library);
