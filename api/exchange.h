@@ -32,6 +32,14 @@ struct eskel_exchange {
 	char *response_body;
 };
 
+/* Decides what the head alone can (admission.c): answers OPTIONS, refuses with the problem and false, or makes the exchange
+ * ready for its body. */
+bool esk_exchange_admit(eskel_exchange *exchange, const eskel_request *request);
+
+/* 413 when the body is larger than the route takes. at_least is "" for a size that is known, "at least " for one that
+ * still grows. */
+bool esk_exchange_check_size(eskel_exchange *exchange, const char *at_least, uint64_t size);
+
 /* NULL when it was not sent. */
 const char *esk_exchange_request_header(const eskel_exchange *exchange, const char *name);
 

@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* 1024 labels with three words each, and the rest; each is compared with all before it. */
+#define MOST_PARAMETERS 5000
+
 /* One parameter as sent. name may say more than the row's own: "attr.scanner" of "attr.KEY". */
 typedef struct {
 	const struct parameter *row;
@@ -278,6 +281,9 @@ static int compare_attributes(const void *a, const void *b)
 bool esk_parameters_parse(esk_parameters *query, const char *const *allowed, const eskel_field *fields, size_t count,
 	esk_problem *problem)
 {
+	if (count > MOST_PARAMETERS)
+		return esk_problem_set(
+			problem, 400, "the query has %zu parameters, expected at most %d", count, MOST_PARAMETERS);
 	query->age = query->age_min = query->age_max = NAN;
 	query->format = ESK_FORMAT_UNSAID;
 	for (size_t i = 0; i < count; i++) {

@@ -123,6 +123,14 @@ static void a_text_has_its_limit(void **state)
 	answer attributes = get(f->api, "%s", many);
 	assert_says(&attributes, 400, "attr.k64 is one attribute too many, expected at most 64");
 	free(many);
+	char *query = calloc(1, 5001 * 2 + 16);
+	strcpy(query, "/shapes?");
+	for (int i = 0; i < 5001; i++)
+		strcpy(query + 8 + 2 * i, "a&");
+	answer parameters = get(f->api, "%s", query);
+	assert_says(&parameters, 400, "the query has 5001 parameters, expected at most 5000");
+	free(query);
+	answer_free(&parameters);
 	answer_free(&long_name);
 	answer_free(&just);
 	answer_free(&key);
