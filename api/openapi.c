@@ -8,5 +8,5 @@
 bool esk_openapi_get(eskel_exchange *exchange)
 {
 	return esk_exchange_answer(exchange, 200, "application/json",
-		strndup((const char *)openapi_json, sizeof openapi_json), sizeof openapi_json);
+		strdup((const char *)openapi_json), sizeof openapi_json - 1);
 }
