@@ -7,6 +7,6 @@
 
 bool esk_openapi_get(eskel_exchange *exchange)
 {
-	return esk_exchange_answer(exchange, 200, "application/json",
-		strdup((const char *)openapi_json), sizeof openapi_json - 1);
+	return esk_exchange_answer(
+		exchange, 200, "application/json", strdup((const char *)openapi_json), sizeof openapi_json - 1);
 }
