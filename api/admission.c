@@ -67,6 +67,7 @@ static bool check_content_type(eskel_exchange *exchange)
 	if (type && content_type_is(type, "multipart/form-data"))
 		return esk_problem_set(&exchange->problem, 415,
 			"the body is multipart/form-data, expected the file itself: curl --data-binary @FILE or curl "
+			"-X POST "
 			"-T FILE");
 	if (foreign && (!type || content_type_is(type, "application/x-www-form-urlencoded") ||
 			       content_type_is(type, "text/plain")))
