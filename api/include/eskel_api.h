@@ -82,7 +82,8 @@ ESKEL_API const eskel_response *eskel_exchange_response(const eskel_exchange *ex
 /* Ignored once the response is settled. */
 ESKEL_API void eskel_exchange_feed(eskel_exchange *exchange, const void *bytes, size_t size);
 
-/* True when finish computes (skeletons, searches, matrices) and belongs into a worker, not a network thread. */
+/* True when finish computes (skeletons, searches, matrices) or waits for the disk, and belongs into a worker, not a
+ * network thread. */
 ESKEL_API bool eskel_exchange_is_heavy(const eskel_exchange *exchange);
 ESKEL_API void eskel_exchange_finish(eskel_exchange *exchange);
 
