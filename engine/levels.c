@@ -7,119 +7,148 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is known of the split of each class of the current level. */
 typedef struct {
-	bool known[ESKEL_LEVELS_MAX];
-	esk_split of[ESKEL_LEVELS_MAX];
-} splits;
+	const esk_levels_input *input;
+	esk_levels *levels;
+	esk_partition partition;      /* of the last level */
+	bool known[ESKEL_LEVELS_MAX]; /* the split of a class whose voxels have not changed since */
+	esk_split splits[ESKEL_LEVELS_MAX];
+} builder;
 
-static eskel_status split_all(
-	const esk_levels_input *input, const esk_partition *partition, const esk_moments *classes, splits *s)
+static eskel_status split_classes(builder *b)
 {
+	const esk_levels_input *input = b->input;
+	const uint32_t k = b->levels->count;
+	const esk_moments *classes = &b->levels->classes[ESKEL_NODES(k - 1)];
+	const eskel_affine *map = k == 1 ? input->root_map : &input->metric->map;
 	esk_segment *segments = NULL;
 	size_t first[ESKEL_LEVELS_MAX + 1];
-	eskel_status status = esk_labelling_collect(&partition->labelling, &segments, first);
-	const eskel_affine *map = partition->labelling.class_count == 1 ? input->root_map : &input->metric->map;
-	for (uint32_t j = 0; !status && j < partition->labelling.class_count; j++) {
-		if (s->known[j])
+	eskel_status status = esk_labelling_collect(&b->partition.labelling, &segments, first);
+	for (uint32_t j = 0; !status && j < k; j++) {
+		if (b->known[j])
 			continue;
 		status = esk_split_class(
-			segments + first[j], first[j + 1] - first[j], &classes[j], input->metric, map, &s->of[j]);
-		s->known[j] = true;
+			segments + first[j], first[j + 1] - first[j], &classes[j], input->metric, map, &b->splits[j]);
+		b->known[j] = true;
 	}
 	free(segments);
 	return status;
 }
 
 /* The class of least ratio, the lowest index on a tie; -1 when none can be split. */
-static int32_t best_split(const splits *s, uint32_t count)
+static int32_t best_split(const builder *b)
 {
 	int32_t best = -1;
-	for (uint32_t j = 0; j < count; j++)
-		if (s->of[j].possible && (best < 0 || s->of[j].ratio < s->of[best].ratio))
+	for (uint32_t j = 0; j < b->levels->count; j++)
+		if (b->splits[j].possible && (best < 0 || b->splits[j].ratio < b->splits[best].ratio))
 			best = (int32_t)j;
 	return best;
 }
 
-static double intraclass_ratio(const esk_moments *classes, uint32_t count, double whole, const esk_metric *metric)
+/* The next level starts from this level's classes, one of them split. about->split_class is -1 if there is no next
+ * level. */
+static eskel_status start_by_splitting(builder *b, eskel_level *about, esk_sums *starts)
 {
-	double sum = 0;
-	for (uint32_t j = 0; j < count; j++)
-		sum += esk_moments_inertia(&classes[j], metric->form);
-	return whole > 0 ? sum / whole : 0;
-}
-
-static eskel_status next_level(const esk_levels_input *input, esk_partition *partition, splits *s, esk_levels *levels)
-{
-	const uint32_t k = levels->count;
-	const esk_moments *classes = &levels->classes[ESKEL_NODES(k - 1)];
-	esk_moments *next = &levels->classes[ESKEL_NODES(k)];
-	esk_sums starts[ESKEL_LEVELS_MAX];
-	eskel_level about = {.level = k + 1};
-	if (input->starts && k < input->starts->count) {
-		about = input->starts->about[k];
-		for (uint32_t j = 0; j <= k; j++)
-			starts[j] = input->starts->classes[ESKEL_NODES(k) + j].sums;
-	} else {
-		eskel_status status = split_all(input, partition, classes, s);
-		if (status)
-			return status;
-		int32_t best = best_split(s, k);
-		if (best < 0)
-			return ESKEL_EMPTY;
-		for (uint32_t j = 0; j < k; j++)
-			starts[j] = classes[j].sums;
-		starts[best] = s->of[best].parts[0];
-		starts[k] = s->of[best].parts[1];
-		about.split_class = best;
-		about.split_ratio = s->of[best].ratio;
-		about.degenerate = s->of[best].degenerate;
-	}
-	bool *touched = partition->labelling.touched;
-	memset(touched, 0, sizeof partition->labelling.touched);
-	eskel_status status = esk_partition_converge(partition, starts, k + 1);
+	const uint32_t k = b->levels->count;
+	eskel_status status = split_classes(b);
 	if (status)
 		return status;
-	memcpy(next, classes, k * sizeof *next);
-	esk_labelling_moments(&partition->labelling, touched, next);
-	for (uint32_t j = 0; j <= k; j++)
-		s->known[j] = s->known[j] && !touched[j];
-	about.intraclass_ratio = intraclass_ratio(
-		next, k + 1, esk_moments_inertia(&levels->classes[0], input->metric->form), input->metric);
-	levels->about[k] = about;
-	levels->count = k + 1;
+	about->split_class = best_split(b);
+	if (about->split_class < 0)
+		return ESKEL_OK;
+	const esk_split *split = &b->splits[about->split_class];
+	for (uint32_t j = 0; j < k; j++)
+		starts[j] = b->levels->classes[ESKEL_NODES(k - 1) + j].sums;
+	starts[about->split_class] = split->parts[0];
+	starts[k] = split->parts[1];
+	about->split_ratio = split->ratio;
+	about->degenerate = split->degenerate;
 	return ESKEL_OK;
 }
 
-static void first_level(const esk_levels_input *input, esk_partition *partition, esk_levels *levels)
+/* The next level starts from the centres of other levels. */
+static void start_from(const esk_levels *others, uint32_t k, eskel_level *about, esk_sums *starts)
 {
-	esk_labelling_moments(&partition->labelling, (const bool[ESKEL_LEVELS_MAX]){true}, levels->classes);
-	levels->about[0] = (eskel_level){.level = 1, .split_class = -1};
-	levels->about[0].intraclass_ratio = esk_moments_inertia(&levels->classes[0], input->metric->form) > 0 ? 1 : 0;
-	levels->count = 1;
+	*about = others->about[k];
+	for (uint32_t j = 0; j <= k; j++)
+		starts[j] = others->classes[ESKEL_NODES(k) + j].sums;
+}
+
+static double intraclass_ratio(const builder *b, const esk_moments *classes, uint32_t count)
+{
+	const int64_t(*form)[3] = b->input->metric->form;
+	const double whole = esk_moments_inertia(b->levels->classes, form);
+	double sum = 0;
+	for (uint32_t j = 0; j < count; j++)
+		sum += esk_moments_inertia(&classes[j], form);
+	return whole > 0 ? sum / whole : 0;
+}
+
+static void add_first_level(builder *b)
+{
+	esk_labelling_moments(&b->partition.labelling, (const bool[ESKEL_LEVELS_MAX]){true}, b->levels->classes);
+	b->levels->about[0] = (eskel_level){.level = 1, .split_class = -1};
+	b->levels->about[0].intraclass_ratio = intraclass_ratio(b, b->levels->classes, 1);
+	b->levels->count = 1;
+}
+
+/* Adds the level that starts lead to. Moments and splits of classes that come out as they were are kept. */
+static eskel_status add_level(builder *b, const eskel_level *about, const esk_sums *starts)
+{
+	const uint32_t k = b->levels->count;
+	bool *touched = b->partition.labelling.touched;
+	esk_moments *classes = &b->levels->classes[ESKEL_NODES(k)];
+	memset(touched, 0, sizeof b->partition.labelling.touched);
+	eskel_status status = esk_partition_converge(&b->partition, starts, k + 1);
+	if (status)
+		return status;
+	memcpy(classes, &b->levels->classes[ESKEL_NODES(k - 1)], k * sizeof *classes);
+	esk_labelling_moments(&b->partition.labelling, touched, classes);
+	for (uint32_t j = 0; j <= k; j++)
+		b->known[j] = b->known[j] && !touched[j];
+	b->levels->about[k] = *about;
+	b->levels->about[k].intraclass_ratio = intraclass_ratio(b, classes, k + 1);
+	b->levels->count = k + 1;
+	return ESKEL_OK;
+}
+
+static eskel_status build(builder *b)
+{
+	const esk_levels_input *input = b->input;
+	add_first_level(b);
+	for (;;) {
+		const uint32_t k = b->levels->count;
+		if (input->progress && !input->progress(input->context, k, input->levels))
+			return ESKEL_CANCELLED;
+		if (k == input->levels)
+			return ESKEL_OK;
+		esk_sums starts[ESKEL_LEVELS_MAX];
+		eskel_level about = {.level = k + 1};
+		eskel_status status = ESKEL_OK;
+		if (input->starts && k < input->starts->count)
+			start_from(input->starts, k, &about, starts);
+		else
+			status = start_by_splitting(b, &about, starts);
+		if (!status && about.split_class < 0)
+			return ESKEL_OK;
+		if (!status)
+			status = add_level(b, &about, starts);
+		if (status)
+			return status;
+	}
 }
 
 eskel_status esk_levels_compute(const esk_levels_input *input, esk_levels *levels)
 {
-	esk_partition partition = {0};
-	splits *s = esk_memory_zeroed_array(1, sizeof *s);
-	eskel_status status = s ? ESKEL_OK : ESKEL_NO_MEMORY;
+	builder *b = esk_memory_zeroed_array(1, sizeof *b);
+	if (!b)
+		return ESKEL_NO_MEMORY;
+	b->input = input;
+	b->levels = levels;
+	eskel_status status = esk_partition_init(&b->partition, input->segments, input->segment_count, input->metric);
 	if (!status)
-		status = esk_partition_init(&partition, input->segments, input->segment_count, input->metric);
-	if (!status)
-		first_level(input, &partition, levels);
-	while (!status) {
-		if (input->progress && !input->progress(input->context, levels->count, input->levels))
-			status = ESKEL_CANCELLED;
-		if (status || levels->count == input->levels)
-			break;
-		status = next_level(input, &partition, s, levels);
-		if (status == ESKEL_EMPTY) {
-			status = ESKEL_OK;
-			break;
-		}
-	}
-	esk_partition_clear(&partition);
-	free(s);
+		status = build(b);
+	esk_partition_clear(&b->partition);
+	free(b);
 	return status;
 }

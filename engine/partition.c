@@ -51,61 +51,79 @@ static double squared_distance(const esk_metric *metric, const esk_sums *sums, c
 	return sum;
 }
 
-/* Moves the voxel farthest from its centre, among classes of two voxels or more, to the empty class. Only these sums
- * change, not the labels: the voxel is now the centre of that class, so the next pass moves it. Distance is convex
- * along a piece, so its ends suffice. */
-static void fill_empty_class(const esk_partition *partition, esk_sums *sums, uint32_t empty)
+/* A voxel at an end of a piece. */
+typedef struct {
+	size_t segment;
+	uint32_t piece;
+	int32_t x;
+} piece_end;
+
+/* The voxel farthest from its centre, among classes of two voxels or more; the first one on a tie. Distance is convex
+ * along a piece, so the ends of pieces suffice. */
+static piece_end farthest_voxel(const esk_labelling *labelling, const esk_metric *metric)
 {
-	const esk_labelling *labelling = &partition->labelling;
 	uint64_t voxels[ESKEL_LEVELS_MAX] = {0};
 	for (esk_piece_cursor c = esk_labelling_first(labelling); c.valid; esk_labelling_next(labelling, &c))
 		voxels[c.class_index] += esk_segment_voxels(&c.part);
 	double farthest = -1;
-	esk_segment voxel = {0};
-	uint32_t from = 0;
+	piece_end found = {0};
 	for (esk_piece_cursor c = esk_labelling_first(labelling); c.valid; esk_labelling_next(labelling, &c))
-		for (int end = 0; end < 2; end++) {
-			int32_t x = end ? c.part.x_last : c.part.x_first;
-			double d = squared_distance(
-				partition->metric, &sums[c.class_index], (double[3]){x, c.part.y, c.part.z});
-			if (voxels[c.class_index] >= 2 && d > farthest) {
+		for (int i = 0; i < 2 && voxels[c.class_index] >= 2; i++) {
+			const double u[3] = {i ? c.part.x_last : c.part.x_first, c.part.y, c.part.z};
+			const double d = squared_distance(metric, &labelling->sums[c.class_index], u);
+			if (d > farthest) {
 				farthest = d;
-				from = c.class_index;
-				voxel = (esk_segment){x, x, c.part.y, c.part.z, c.part.weight};
+				found = (piece_end){c.segment, c.piece, (int32_t)u[0]};
 			}
 		}
-	esk_sums_add(&sums[empty], &voxel);
-	esk_sums_remove(&sums[from], &voxel);
+	return found;
 }
 
-/* Brings the scores of classes whose centre changed up to date. Returns how far two classes' scores may have moved
- * relative to each other anywhere in the box: the sum of the two greatest changes of a score. */
-static int64_t update_scores(const esk_metric *metric, const esk_sums *before, const esk_sums *now, esk_scores *scores)
+/* Cuts the voxel off its piece and gives it to the class. */
+static eskel_status give_voxel(esk_labelling *labelling, piece_end voxel, uint32_t class_index)
 {
-	double greatest = 0, second = 0;
-	for (uint32_t j = 0; j < scores->count; j++) {
-		if (is_same(&before[j], &now[j]))
-			continue;
-		double constant = scores->constant[j], slope[3], change;
-		for (int r = 0; r < 3; r++)
-			slope[r] = scores->slope[r][j];
-		esk_scores_set(scores, j, metric, &now[j]);
-		change = fabs(scores->constant[j] - constant);
-		for (int r = 0; r < 3; r++)
-			change += fabs(scores->slope[r][j] - slope[r]) * metric->half[r];
-		if (change > greatest) {
-			second = greatest;
-			greatest = change;
-		} else if (change > second)
-			second = change;
+	const esk_slot slot = labelling->slots[voxel.segment];
+	const esk_piece *old = labelling->pieces + slot.first;
+	esk_piece pieces[ESKEL_LEVELS_MAX + 1];
+	uint32_t count = 0;
+	int32_t x_first = labelling->segments[voxel.segment].x_first;
+	for (uint32_t i = 0; i < slot.count; i++) {
+		const bool here = i == voxel.piece, at_first = here && voxel.x == x_first;
+		const bool alone = at_first && old[i].x_last == x_first;
+		if (at_first)
+			pieces[count++] = (esk_piece){voxel.x, class_index};
+		if (!alone)
+			pieces[count++] = old[i];
+		if (here && !at_first) {
+			pieces[count - 1].x_last = voxel.x - 2;
+			pieces[count++] = (esk_piece){voxel.x, class_index};
+		}
+		x_first = old[i].x_last + 2;
 	}
-	return (int64_t)(greatest + second);
+	return esk_labelling_replace(labelling, voxel.segment, pieces, count);
+}
+
+/* Gives every empty class a voxel. *filled tells whether there was one. */
+static eskel_status fill_empty_classes(esk_partition *partition, uint32_t count, bool *filled)
+{
+	esk_labelling *labelling = &partition->labelling;
+	*filled = false;
+	for (uint32_t j = 0; j < count; j++) {
+		if (labelling->sums[j].weight)
+			continue;
+		eskel_status status = give_voxel(labelling, farthest_voxel(labelling, partition->metric), j);
+		if (status)
+			return status;
+		esk_relabeller_restart(&partition->relabeller);
+		*filled = true;
+	}
+	return ESKEL_OK;
 }
 
 /* Every pass lowers sum w V over the classes, or keeps it and moves tied voxels to lower indices, so that no partition
- * returns and the iteration ends: but for the rounding of the scores, where two partitions equally good to 2^-30 of
- * the object's size could take turns. So the sums are also compared with a snapshot, taken again after 1, 2, 4, 8 ...
- * passes (Brent's cycle detection): an end is certain. */
+ * returns and the iteration ends: but for the rounding of the scores, where two partitions that are equally good to
+ * the last bits could take turns. So the sums are also compared with a snapshot, taken again after 1, 2, 4, 8 ...
+ * passes (Brent's cycle detection): an end is certain. A cycle in which classes keep coming out empty has no result. */
 eskel_status esk_partition_converge(esk_partition *partition, const esk_sums *starts, uint32_t count)
 {
 	esk_sums before[ESKEL_LEVELS_MAX], now[ESKEL_LEVELS_MAX], snapshot[ESKEL_LEVELS_MAX];
@@ -116,16 +134,18 @@ eskel_status esk_partition_converge(esk_partition *partition, const esk_sums *st
 	memcpy(snapshot, starts, count * sizeof *starts);
 	esk_relabeller_restart(&partition->relabeller);
 	for (uint64_t passes = 1;; passes++) {
+		bool filled = false;
 		eskel_status status = esk_relabeller_run(&partition->relabeller, &scores);
+		if (!status)
+			status = fill_empty_classes(partition, count, &filled);
 		if (status)
 			return status;
 		memcpy(now, partition->labelling.sums, count * sizeof *now);
-		for (uint32_t j = 0; j < count; j++)
-			if (!now[j].weight)
-				fill_empty_class(partition, now, j);
 		if (are_same(now, before, count) || are_same(now, snapshot, count))
-			return ESKEL_OK;
-		esk_relabeller_advance(&partition->relabeller, update_scores(partition->metric, before, now, &scores));
+			return filled ? ESKEL_NUMERIC : ESKEL_OK;
+		for (uint32_t j = 0; j < count; j++)
+			if (!is_same(&now[j], &before[j]))
+				esk_scores_set(&scores, j, partition->metric, &now[j]);
 		memcpy(before, now, count * sizeof *now);
 		if ((passes & (passes - 1)) == 0)
 			memcpy(snapshot, now, count * sizeof *now);

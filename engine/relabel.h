@@ -7,20 +7,19 @@
 
 typedef struct {
 	esk_labelling *labelling; /* borrowed */
-	int64_t clock;            /* how far scores have moved, see relabel.c */
-	int64_t *settled;         /* [segment_count] while clock is less, no label of the segment can change */
-	size_t *list;             /* [segment_count] that a pass looks at */
+	esk_scores before;        /* of the last pass; no classes when it does not matter any more */
+	size_t block_count;
+	struct esk_block *blocks; /* see relabel.c */
+	int64_t *settled; /* [segment_count] no label of the segment can change while its block's clock is less */
+	esk_scores near;  /* of the block at hand: those of its candidates */
 	struct esk_batch *batch;
 } esk_relabeller;
 
 eskel_status esk_relabeller_init(esk_relabeller *relabeller, esk_labelling *labelling);
 void esk_relabeller_clear(esk_relabeller *relabeller);
 
-/* The next pass looks at every segment: the scores are unrelated to those before. */
+/* The next scores are unrelated to those before: a pass looks at every segment. */
 void esk_relabeller_restart(esk_relabeller *relabeller);
-
-/* Scores have moved since the last pass: by at most this relative to each other, anywhere in the cloud. */
-void esk_relabeller_advance(esk_relabeller *relabeller, int64_t movement);
 
 /* A pass. The labelling then has scores->count classes, some of them perhaps empty. */
 eskel_status esk_relabeller_run(esk_relabeller *relabeller, const esk_scores *scores);

@@ -26,30 +26,35 @@ static eskel_status cut(esk_partition *partition, const int64_t normal[3], int64
 	return esk_partition_assign(partition, &scores);
 }
 
-/* Cuts by the plane through the centre. Voxels exactly on it join the lighter side, and the heavier part becomes class
- * 0: neither depends on the sign of the normal, so a mirrored class is cut the same way. (With equal sides on-plane
- * voxels join class 0.) */
-static eskel_status cut_at_centre(
-	esk_partition *partition, const esk_sums *sums, const int64_t normal[3], esk_sums parts[2])
+static int64_t floor_quotient(esk_int128 numerator, esk_int128 denominator)
 {
-	esk_int128 moment = 0;
+	esk_int128 quotient = numerator / denominator;
+	return (int64_t)(quotient - (numerator % denominator < 0));
+}
+
+/* Cuts by the plane normal . u = normal . g. Voxels exactly on it join the lighter side, and the heavier part comes
+ * first: neither depends on the sign of the normal, so a mirrored class is cut the same way. */
+static eskel_status cut_at_centre(
+	esk_partition *partition, const esk_sums *whole, const int64_t normal[3], esk_sums parts[2])
+{
+	const esk_sums *sums = partition->labelling.sums;
+	const esk_int128 weight = whole->weight;
+	esk_int128 height = 0;
 	for (int r = 0; r < 3; r++)
-		moment += (esk_int128)normal[r] * sums->first[r];
-	esk_int128 weight = sums->weight;
-	int64_t threshold = (int64_t)(moment >= 0 ? moment / weight : -((-moment + weight - 1) / weight)); /* floor */
+		height += (esk_int128)normal[r] * whole->first[r];
+	const int64_t threshold = floor_quotient(height, weight);
 	eskel_status status = cut(partition, normal, threshold);
-	uint64_t above = partition->labelling.sums[1].weight;
-	if (!status && moment % weight == 0) {
+	if (!status && height % weight == 0) {
+		const uint64_t above = sums[1].weight;
 		status = cut(partition, normal, threshold - 1);
-		uint64_t below = partition->labelling.sums[0].weight;
-		if (!status && below <= above)
+		if (!status && sums[0].weight <= above)
 			status = cut(partition, normal, threshold);
 	}
 	if (status)
 		return status;
-	int heavier = partition->labelling.sums[1].weight > partition->labelling.sums[0].weight;
-	parts[0] = partition->labelling.sums[heavier];
-	parts[1] = partition->labelling.sums[!heavier];
+	const bool second_first = sums[1].weight > sums[0].weight;
+	parts[0] = sums[second_first];
+	parts[1] = sums[!second_first];
 	return ESKEL_OK;
 }
 

@@ -50,7 +50,7 @@ static wide nearest_integer(wide p, wide q)
 }
 
 /* s(u) = c - 2 b.u, b = T g and c = b.g to multiples of 2^-shift. */
-static void score_of(const voxel_set *set, const voxel_centre *g, int64_t c_and_slopes[4])
+void voxel_score(const voxel_set *set, const voxel_centre *g, int64_t score[4])
 {
 	wide up = (wide)1 << (set->shift > 0 ? set->shift : 0), down = (wide)1 << (set->shift < 0 ? -set->shift : 0);
 	wide c = 0;
@@ -58,10 +58,10 @@ static void score_of(const voxel_set *set, const voxel_centre *g, int64_t c_and_
 		wide t = (wide)set->form[r][0] * g->first[0] + (wide)set->form[r][1] * g->first[1] +
 			 (wide)set->form[r][2] * g->first[2];
 		wide b = nearest_integer(t * up, g->weight * down);
-		c_and_slopes[r + 1] = (int64_t)(-2 * b);
+		score[r + 1] = (int64_t)(-2 * b);
 		c += b * g->first[r];
 	}
-	c_and_slopes[0] = (int64_t)nearest_integer(c, g->weight);
+	score[0] = (int64_t)nearest_integer(c, g->weight);
 }
 
 static void assign(voxel_set *set, int64_t scores[][4], unsigned count, uint8_t *labels)
@@ -100,7 +100,7 @@ bool voxel_lloyd(voxel_set *set, voxel_centre *centres, unsigned count, uint8_t 
 		voxel_centre before[ESKEL_LEVELS_MAX];
 		memcpy(before, centres, count * sizeof *centres);
 		for (unsigned j = 0; j < count; j++)
-			score_of(set, &centres[j], scores[j]);
+			voxel_score(set, &centres[j], scores[j]);
 		assign(set, scores, count, labels);
 		centres_of(set, labels, centres, count);
 		for (unsigned j = 0; j < count; j++)

@@ -26,6 +26,9 @@ void voxel_set_init(voxel_set *set, const eskel_cloud *cloud, const int64_t form
 	const double map[3][3], const double root_map[3][3]);
 void voxel_set_clear(voxel_set *set);
 
+/* The score of a class, 64 times less than the engine's and without the class index: c, then the three slopes. */
+void voxel_score(const voxel_set *set, const voxel_centre *centre, int64_t score[4]);
+
 /* Lloyd's iteration from these centres to the fixed point, which replaces them. False when a class came out empty. */
 bool voxel_lloyd(voxel_set *set, voxel_centre *centres, unsigned count, uint8_t *labels);
 
