@@ -191,7 +191,7 @@ static bool take_cursor(void *target, const argument *given, esk_problem *proble
 	return true;
 }
 
-static const char *const modes[] = {"pruned", "exact", NULL};
+static const char *const modes[] = {"exact", "pruned", NULL};
 static const char *const signatures[] = {"log", "paper", NULL};
 static const char *const distances[] = {"sum", "level", NULL};
 static const char *const metrics[] = {"manhattan", "euclidean", NULL};

@@ -13,7 +13,7 @@
 static double weight_of(const esk_vote *vote)
 {
 	double distance = fmax(vote->distance, LEAST_DISTANCE);
-	return 1 / (distance * distance);
+	return pow(distance, -10);
 }
 
 static bool is_of_class(const esk_vote *vote, const char *class)
@@ -32,20 +32,16 @@ static double weight_of_class(const esk_vote *votes, size_t count, const char *c
 
 static void vote_on_class(const esk_vote *votes, size_t count, esk_verdict *verdict)
 {
-	double all = 0, most = 0;
+	double all = 0;
 	for (size_t i = 0; i < count; i++) {
-		const char *class = votes[i].said->class;
-		if (!class)
+		if (!votes[i].said->class)
 			continue;
+		if (!verdict->class)
+			verdict->class = votes[i].said->class;
 		all += weight_of(&votes[i]);
-		double weight = weight_of_class(votes, count, class);
-		if (weight > most) {
-			most = weight;
-			verdict->class = class;
-		}
 	}
 	if (verdict->class)
-		verdict->class_score = most / all;
+		verdict->class_score = weight_of_class(votes, count, verdict->class) / all;
 }
 
 /* -1 to 1: how surely the query is a right one, by a neighbour that is left or right. */

@@ -26,8 +26,10 @@ typedef struct {
 
 /* Votes are by ascending distance, recorded is what the query itself is said to be.
  *
- * A vote weighs 1/distance^2: near shapes decide, and a stored copy decides alone. The class is that of the greatest
- * weight, the nearer one at a tie; its score is its share of all votes that have a class.
+ * The class is that of the nearest shape that has one (section 5.3). Its score is its share of the votes of all that
+ * have one, a vote weighing 1/distance^10: with that power the mean score is about the share of right answers on sets
+ * of very different difficulty, .59 for .58 on the AAL atlas (each region beside the other 115, its twin the only right
+ * answer), .92 for .93 on the bones of two subjects and a few others. A stored copy decides alone.
  *
  * The side is voted on by the neighbours of that class. One that is left or right votes for its own side where it is of
  * the same handedness as the query, for the other where it is mirrored, and not at all where that is undecided; its

@@ -119,7 +119,7 @@ eskel_status eskel_library_search(const eskel_library *library, const eskel_sign
 	const eskel_search_options *options, eskel_search_result **result)
 {
 	const eskel_search_options chosen = options ? *options : (eskel_search_options){0};
-	if ((unsigned)chosen.mode > ESKEL_SEARCH_EXACT)
+	if ((unsigned)chosen.mode > ESKEL_SEARCH_PRUNED)
 		return ESKEL_INVALID;
 	eskel_search_result *made = esk_memory_zeroed_array(1, sizeof *made);
 	if (!made)

@@ -310,7 +310,9 @@ ESKEL_API size_t eskel_library_count(const eskel_library *library);
 ESKEL_API eskel_status eskel_library_distances(const eskel_library *library, const int64_t *rows, size_t row_count,
 	const int64_t *columns, size_t column_count, const eskel_distance_options *options, double *distances);
 
-typedef enum { ESKEL_SEARCH_PRUNED, ESKEL_SEARCH_EXACT } eskel_search_mode;
+/* exact finds what comparing with every shape would find; pruned is the paper's: the nearest tenth at each level, never
+ * fewer than 10, then full depth, and may miss the nearest. */
+typedef enum { ESKEL_SEARCH_EXACT, ESKEL_SEARCH_PRUNED } eskel_search_mode;
 
 typedef struct {
 	eskel_distance_options distance;

@@ -46,7 +46,7 @@ static const esk_option options[] = {
 	{"levels", "K", ENROLL | SKELETON, "levels", "depth of the skeleton, 1 to 64 (16)"},
 
 	{"limit", "N", RECOGNIZE, "limit", "neighbours (5)"},
-	{"mode", "MODE", RECOGNIZE, "mode", "pruned (default) or exact"},
+	{"mode", "MODE", RECOGNIZE, "mode", "exact (default) or pruned"},
 	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
 	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
 	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},

@@ -83,7 +83,8 @@ static void measure(const eskel_library *library, size_t shapes, int queries, es
 	for (int q = 0; q < queries; q++) {
 		size_t cluster = (size_t)q * 7919 % (shapes / members + 1);
 		eskel_signature *query = synthetic_signature(cluster, shapes + (size_t)q, noise, 16);
-		eskel_search_options options = {.distance = {.signature = signature, .distance = kind}};
+		eskel_search_options options = {
+			.distance = {.signature = signature, .distance = kind}, .mode = ESKEL_SEARCH_PRUNED};
 		eskel_search_result *found = search(library, query, &options, &pruned);
 		options.mode = ESKEL_SEARCH_EXACT;
 		eskel_search_result *best = search(library, query, &options, &exact);

@@ -79,7 +79,7 @@ class Seen(unittest.TestCase):
             browser.click("#recognize .main")
             browser.wait("document.querySelectorAll('#answer article').length === 2")
         text = browser.text("#answer")
-        for word in ("label 1", "label 2", "femur", "left", "bone 1", "0.0000", "pruned search among 4 shapes"):
+        for word in ("label 1", "label 2", "femur", "left", "bone 1", "0.0000", "exact search among 4 shapes"):
             self.assertIn(word, text)
         self.assertEqual(len(self.daemon.get("/shapes")[2]["shapes"]), 4, "nothing is stored")
         self.assertEqual(browser.messages(), [])

@@ -39,7 +39,7 @@ static void a_stored_shape_is_recognised_by_the_others(void **state)
 		assert_string_equal(text_at(&a, "results.0.verdict.side"), "left");
 		assert_true(json_is_true(at(&a, "results.0.verdict.agrees")));
 		assert_true(number_at(&a, "results.0.search.library") == 5);
-		assert_string_equal(text_at(&a, "results.0.search.mode"), "pruned");
+		assert_string_equal(text_at(&a, "results.0.search.mode"), "exact");
 		double distance = number_at(&a, "results.0.neighbours.0.distance");
 		double next = number_at(&a, "results.0.neighbours.1.distance");
 		assert_true(distance > 0 && distance < next);

@@ -72,7 +72,7 @@ static void a_wrong_query_is_refused_by_its_head(void **state)
 		{"GET", "/recognize", "shape is missing, expected an id of 32 lower-case hexadecimal digits"},
 		{"GET", "/recognize?shape=1", "shape is \\\"1\\\", expected an id"},
 		{"GET", "/recognize?shape=" ID "&limit=101", "limit is 101, expected 1 to 100"},
-		{"GET", "/recognize?shape=" ID "&mode=fast", "mode is \\\"fast\\\", expected pruned or exact"},
+		{"GET", "/recognize?shape=" ID "&mode=fast", "mode is \\\"fast\\\", expected exact or pruned"},
 		{"GET", "/recognize?shape=" ID "&signature=esf", "expected log or paper"},
 		{"GET", "/recognize?shape=" ID "&distance=far", "expected sum or level"},
 		{"GET", "/recognize?shape=" ID "&metric=taxi", "expected manhattan or euclidean"},

@@ -28,7 +28,7 @@ static const eskel_description sacrum = {.class = (char[]){"sacrum"}, .side = ES
 
 #define VERDICT(votes, recorded, verdict) esk_verdict_of_votes(votes, sizeof votes / sizeof *votes, recorded, verdict)
 
-static void near_shapes_outvote_many_far_ones(void **state)
+static void the_nearest_tells_the_class_however_many_others_agree_on_another(void **state)
 {
 	(void)state;
 	const esk_vote votes[] = {
@@ -40,8 +40,7 @@ static void near_shapes_outvote_many_far_ones(void **state)
 	esk_verdict verdict;
 	VERDICT(votes, &unrecorded, &verdict);
 	assert_string_equal(verdict.class, "femur");
-	/* 1 / 0.01 against 3 / 0.16 */
-	assert_near(verdict.class_score, 100 / (100 + 18.75));
+	assert_near(verdict.class_score, 0x1p20 / (0x1p20 + 3)); /* 4^10 to 3 */
 }
 
 static void a_stored_copy_decides_alone(void **state)
@@ -168,7 +167,7 @@ static void agreement_is_about_what_is_recorded(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(near_shapes_outvote_many_far_ones),
+		cmocka_unit_test(the_nearest_tells_the_class_however_many_others_agree_on_another),
 		cmocka_unit_test(a_stored_copy_decides_alone),
 		cmocka_unit_test(neighbours_without_a_class_do_not_vote),
 		cmocka_unit_test(a_mirrored_neighbour_tells_the_other_side),

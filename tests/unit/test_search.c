@@ -202,7 +202,7 @@ static void the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limi
 {
 	(void)state;
 	shelf s = make_shelf(1234, 100, 0.2, 3);
-	eskel_search_result *result = search(&s, s.signatures[7], NULL);
+	eskel_search_result *result = search(&s, s.signatures[7], &(eskel_search_options){.mode = ESKEL_SEARCH_PRUNED});
 	assert_int_equal(result->library, 1234);
 	assert_int_equal(result->step_count, 3);
 	assert_int_equal(result->kept[0], 124);
@@ -212,7 +212,7 @@ static void the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limi
 	assert_int_equal(result->count, 5);
 	assert_false(result->proven);
 	eskel_search_result_free(result);
-	result = search(&s, s.signatures[7], &(eskel_search_options){.limit = 40});
+	result = search(&s, s.signatures[7], &(eskel_search_options){.mode = ESKEL_SEARCH_PRUNED, .limit = 40});
 	assert_int_equal(result->step_count, 2);
 	assert_int_equal(result->kept[0], 124);
 	assert_int_equal(result->kept[1], 40);
@@ -227,7 +227,7 @@ static void the_pruned_search_takes_the_steps_of_the_paper(void **state)
 	(void)state;
 	shelf s = make_shelf(700, 70, 0.3, 3);
 	for (int o = 0; o < combinations; o++) {
-		eskel_search_options options = {.distance = combination(o)};
+		eskel_search_options options = {.distance = combination(o), .mode = ESKEL_SEARCH_PRUNED};
 		pair *left = search_exhaustively(&s, s.signatures[8], &options.distance);
 		size_t count = s.count;
 		for (uint32_t level = 1; count > 10; level++) {
@@ -259,7 +259,7 @@ static void the_pruned_search_of_ten_shapes_compares_them_all(void **state)
 	(void)state;
 	shelf s = make_shelf(10, 10, 0.2, 3);
 	for (int o = 0; o < combinations; o++) {
-		eskel_search_options options = {.distance = combination(o)};
+		eskel_search_options options = {.distance = combination(o), .mode = ESKEL_SEARCH_PRUNED};
 		pair *expected = search_exhaustively(&s, s.signatures[4], &options.distance);
 		eskel_search_result *result = search(&s, s.signatures[4], &options);
 		assert_is_answer(result, expected, 5, o);
@@ -280,8 +280,8 @@ static void the_pruned_search_finds_most_nearest_neighbours(void **state)
 	int found = 0;
 	for (uint64_t q = 0; q < queries; q++) {
 		eskel_signature *query = synthetic_signature(q, 9000 + q, 0.2, 16);
-		eskel_search_result *pruned = search(&s, query, NULL);
-		eskel_search_result *exact = search(&s, query, &(eskel_search_options){.mode = ESKEL_SEARCH_EXACT});
+		eskel_search_result *pruned = search(&s, query, &(eskel_search_options){.mode = ESKEL_SEARCH_PRUNED});
+		eskel_search_result *exact = search(&s, query, NULL);
 		found += pruned->neighbours[0].key == exact->neighbours[0].key;
 		assert_true(pruned->neighbours[0].distance >= exact->neighbours[0].distance);
 		eskel_search_result_free(pruned);
