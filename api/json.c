@@ -2,6 +2,8 @@
 #include "json.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 json_t *esk_json_real(double value)
 {
@@ -25,5 +27,14 @@ char *esk_json_text(json_t *value)
 		return NULL;
 	char *text = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(15));
 	json_decref(value);
-	return text;
+	if (!text)
+		return NULL;
+	size_t size = strlen(text);
+	char *line = realloc(text, size + 2);
+	if (!line) {
+		free(text);
+		return NULL;
+	}
+	memcpy(line + size, "\n", 2);
+	return line;
 }

@@ -45,7 +45,7 @@ void esk_matrix_json(esk_text *text, const esk_matrix *matrix)
 		}
 		esk_text_print(text, "]");
 	}
-	esk_text_print(text, "]}");
+	esk_text_print(text, "]}\n");
 }
 
 static void append_csv_text(esk_text *text, const char *value)

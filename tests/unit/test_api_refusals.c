@@ -297,7 +297,7 @@ static void a_problem_echoes_no_control_characters(void **state)
 	api_fixture *f = *state;
 	answer a = get(f->api, "/shapes/%%1b%%5b2J%%ff%%c2%%9b");
 	assert_says(&a, 404, "is no id");
-	for (size_t i = 0; i < a.size; i++)
+	for (size_t i = 0; i + 1 < a.size; i++) /* all but the end of the line */
 		assert_true((unsigned char)a.body[i] >= 0x20);
 	assert_null(strstr(a.body, "\\u"));
 	assert_null(strstr(a.body, "\xc2\x9b"));
