@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Holds every answer that the API's tests get against openapi.yaml: check_answers.py openapi.yaml TEST...
 
 Each answer's status must be described for its route, and its body must fit the schema. The examples must fit as well,
