@@ -5,13 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Most segments are cut rarely; one that needs more pieces than this moves to a larger slot. */
-enum { SLOT_PIECES = 2 };
-
 eskel_status esk_labelling_init(esk_labelling *labelling, const esk_segment *segments, size_t segment_count)
 {
 	esk_slot *slots = esk_memory_array(segment_count, sizeof *slots);
-	esk_piece *pieces = esk_memory_zeroed_array(segment_count, SLOT_PIECES * sizeof *pieces);
+	esk_piece *pieces = esk_memory_zeroed_array(segment_count, ESK_SLOT_PIECES * sizeof *pieces);
 	if (!slots || !pieces) {
 		free(slots);
 		free(pieces);
@@ -22,13 +19,13 @@ eskel_status esk_labelling_init(esk_labelling *labelling, const esk_segment *seg
 		.segment_count = segment_count,
 		.slots = slots,
 		.pieces = pieces,
-		.piece_count = segment_count * SLOT_PIECES,
-		.piece_capacity = segment_count * SLOT_PIECES,
+		.piece_count = segment_count * ESK_SLOT_PIECES,
+		.piece_capacity = segment_count * ESK_SLOT_PIECES,
 		.class_count = 1,
 	};
 	for (size_t i = 0; i < segment_count; i++) {
-		slots[i] = (esk_slot){i * SLOT_PIECES, 1, SLOT_PIECES};
-		pieces[i * SLOT_PIECES] = (esk_piece){segments[i].x_last, 0};
+		slots[i] = (esk_slot){i * ESK_SLOT_PIECES, 1, ESK_SLOT_PIECES};
+		pieces[i * ESK_SLOT_PIECES] = (esk_piece){segments[i].x_last, 0};
 		esk_sums_add(&labelling->sums[0], &segments[i]);
 	}
 	return ESKEL_OK;

@@ -10,7 +10,9 @@ typedef struct {
 	uint32_t class_index;
 } esk_piece;
 
-/* Where the pieces of a segment are. */
+/* Where the pieces of a segment are. There is room for two at least, initialised; a segment that needs more moves. */
+enum { ESK_SLOT_PIECES = 2 };
+
 typedef struct {
 	size_t first;
 	uint16_t count, capacity;

@@ -2,9 +2,7 @@
 #ifndef ESK_PARTITION_H
 #define ESK_PARTITION_H
 
-#include "labelling.h"
 #include "relabel.h"
-#include "scores.h"
 
 typedef struct {
 	const esk_metric *metric; /* borrowed */

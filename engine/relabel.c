@@ -2,20 +2,14 @@
  *
  *	1. finds the candidates: classes that win somewhere in the block's box, as far as one comparison with the winner at
  *	   its centre tells. No other class matters there.
- *	2. skips settled segments. The slack of a segment is the least lead of a winner over the second best candidate at
- *	   the ends of its pieces. Leads are linear along a piece: no label changes before scores have moved, relative to
- *	   each other, by the slack. The block's clock adds up how far the candidates' scores have moved in its box; a new
- *	   candidate makes it look at all segments again.
- *	3. probes both ends of every piece of the others (probe.h). Where the piece's class wins at both ends it wins in
- *	   between, because a class wins an interval; most segments turn out right.
- *	4. cuts the wrong ones anew: between two places with different winners it puts the border where the one's score
- *	   overtakes the other's, and probes again. If a third class wins around that border, the probe finds it. Every
- *	   class that is found has its place in the segment, so after at most one probe a class all borders are right.
+ *	2. skips settled segments. Leads of a winner over another class are linear along a piece, so no label changes before
+ *	   scores have moved, relative to each other, by the segment's slack (cutter.h). The block's clock adds up how far
+ *	   the candidates' scores have moved in its box; a new candidate makes it look at all segments again.
+ *	3. has the others checked, and cut anew where that is needed.
  */
 #include "relabel.h"
 
 #include "memory.h"
-#include "probe.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,19 +19,9 @@ enum { BLOCK_SEGMENTS = 256 }; /* 128 to 256 are alike; smaller boxes do not pay
 typedef struct esk_block {
 	double centre[3], half[3]; /* of a box around the segments */
 	int64_t clock;
-	int64_t due;               /* the least settled of its segments */
-	uint64_t candidates;       /* of the last pass, a bit a class */
+	int64_t due;         /* the least settled of its segments */
+	uint64_t candidates; /* of the last pass, a bit a class */
 } block;
-
-/* Segments of one block whose pieces are to be probed together. */
-typedef struct esk_batch {
-	esk_probes probes;
-	size_t probe_count, segment_count;
-	uint32_t owner[ESK_PROBE_ROOM]; /* of each probe: its segment's place in the arrays below */
-	size_t segments[ESK_PROBES];
-	size_t first[ESK_PROBES]; /* probe of the segment */
-	double slack[ESK_PROBES];
-} batch;
 
 static size_t block_end(const esk_relabeller *relabeller, size_t b)
 {
@@ -71,11 +55,13 @@ eskel_status esk_relabeller_init(esk_relabeller *relabeller, esk_labelling *labe
 		.block_count = blocks,
 		.blocks = esk_memory_zeroed_array(blocks, sizeof *relabeller->blocks),
 		.settled = esk_memory_array(labelling->segment_count, sizeof *relabeller->settled),
-		.batch = esk_memory_zeroed_array(1, sizeof *relabeller->batch),
 	};
-	if (!relabeller->blocks || !relabeller->settled || !relabeller->batch) {
+	eskel_status status = relabeller->blocks && relabeller->settled ? ESKEL_OK : ESKEL_NO_MEMORY;
+	if (!status)
+		status = esk_cutter_init(&relabeller->cutter, labelling, relabeller->settled);
+	if (status) {
 		esk_relabeller_clear(relabeller);
-		return ESKEL_NO_MEMORY;
+		return status;
 	}
 	for (size_t b = 0; b < blocks; b++)
 		set_box(relabeller, b);
@@ -84,9 +70,9 @@ eskel_status esk_relabeller_init(esk_relabeller *relabeller, esk_labelling *labe
 
 void esk_relabeller_clear(esk_relabeller *relabeller)
 {
+	esk_cutter_clear(&relabeller->cutter);
 	free(relabeller->blocks);
 	free(relabeller->settled);
-	free(relabeller->batch);
 	*relabeller = (esk_relabeller){0};
 }
 
@@ -95,119 +81,7 @@ void esk_relabeller_restart(esk_relabeller *relabeller)
 	relabeller->before.count = 0;
 }
 
-/* ---------------------------------------------------------------------------------------------- probing */
-
-static inline void put(batch *b, size_t i, int32_t x_first, const esk_segment *s, const esk_piece *piece)
-{
-	b->probes.x_first[i] = x_first;
-	b->probes.x_last[i] = piece->x_last;
-	b->probes.y[i] = s->y;
-	b->probes.z[i] = s->z;
-	b->probes.expected[i] = (int32_t)piece->class_index;
-	b->owner[i] = (uint32_t)b->segment_count;
-}
-
-/* Most segments have one piece or two. Putting two in any case, which every slot has room for, saves a branch that
- * would be mispredicted half of the time; a second one too many is overwritten by the next segment. */
-static void push(batch *b, const esk_labelling *labelling, size_t segment)
-{
-	const esk_segment *s = &labelling->segments[segment];
-	const esk_slot *slot = &labelling->slots[segment];
-	const esk_piece *piece = labelling->pieces + slot->first;
-	const size_t first = b->probe_count;
-	b->segments[b->segment_count] = segment;
-	b->first[b->segment_count] = first;
-	b->slack[b->segment_count] = 0x1p52;
-	put(b, first, s->x_first, s, piece);
-	for (uint32_t p = 1; p < slot->count || p == 1; p++)
-		put(b, first + p, piece[p - 1].x_last + 2, s, piece + p);
-	b->probe_count += slot->count;
-	b->segment_count++;
-}
-
-/* The last x at which class a, which wins at x, has a lower score than class b, which wins further on. */
-static int32_t crossing(const esk_scores *scores, const esk_segment *s, int32_t x, uint32_t a, uint32_t b)
-{
-	const double lead = esk_scores_at(scores, b, x, s->y, s->z) - esk_scores_at(scores, a, x, s->y, s->z);
-	const double loss = 2 * (scores->slope[0][a] - scores->slope[0][b]); /* a voxel */
-	return x + 2 * (int32_t)(((int64_t)lead - 1) / (int64_t)loss);
-}
-
-/* New pieces for a segment from the winners at the ends of its old ones, probes first .. end - 1. */
-static eskel_status recut(esk_labelling *labelling, size_t segment, const esk_scores *scores, const esk_probes *probes,
-	size_t first, size_t end)
-{
-	const esk_segment *s = &labelling->segments[segment];
-	esk_piece pieces[ESKEL_LEVELS_MAX];
-	uint32_t count = 0, winner = (uint32_t)probes->winner_first[first];
-	int32_t x = s->x_first;
-	for (size_t i = 2 * first; i < 2 * end; i++) {
-		const bool last = i % 2;
-		const uint32_t next = (uint32_t)(last ? probes->winner_last : probes->winner_first)[i / 2];
-		if (next != winner)
-			pieces[count++] = (esk_piece){crossing(scores, s, x, winner, next), winner};
-		winner = next;
-		x = (last ? probes->x_last : probes->x_first)[i / 2];
-	}
-	pieces[count++] = (esk_piece){s->x_last, winner};
-	return esk_labelling_replace(labelling, segment, pieces, count);
-}
-
-/* Probes the batch and empties it. Segments that were wrong are kept in list[*kept], to be probed again. */
-static eskel_status flush(
-	esk_relabeller *relabeller, const esk_scores *scores, int64_t clock, size_t list[BLOCK_SEGMENTS], size_t *kept)
-{
-	batch *b = relabeller->batch;
-	uint32_t wrong[ESK_PROBES];
-	size_t wrong_count = 0;
-	esk_probes_run(&b->probes, b->probe_count, &relabeller->near);
-	for (size_t i = 0; i < b->probe_count; i++) {
-		double *slack = &b->slack[b->owner[i]];
-		*slack = b->probes.slack[i] < *slack ? b->probes.slack[i] : *slack;
-	}
-	for (size_t n = 0; n < b->segment_count; n++) {
-		relabeller->settled[b->segments[n]] = clock + (int64_t)b->slack[n];
-		wrong[wrong_count] = (uint32_t)n;
-		wrong_count += b->slack[n] < 0;
-	}
-	for (size_t n = 0; n < wrong_count; n++) {
-		const size_t segment = b->segments[wrong[n]], first = b->first[wrong[n]];
-		eskel_status status = recut(relabeller->labelling, segment, scores, &b->probes, first,
-			first + relabeller->labelling->slots[segment].count);
-		if (status)
-			return status;
-		list[(*kept)++] = segment;
-	}
-	b->probe_count = 0;
-	b->segment_count = 0;
-	return ESKEL_OK;
-}
-
-/* Brings the labels of these segments, which are of one block, up to date. */
-static eskel_status label_segments(
-	esk_relabeller *relabeller, const esk_scores *scores, int64_t clock, size_t list[BLOCK_SEGMENTS], size_t count)
-{
-	const esk_slot *slots = relabeller->labelling->slots;
-	for (size_t kept = 0; count; count = kept, kept = 0) {
-		for (size_t i = 0; i < count; i++) {
-			if (relabeller->batch->probe_count + slots[list[i]].count > ESK_PROBES) {
-				eskel_status status = flush(relabeller, scores, clock, list, &kept);
-				if (status)
-					return status;
-			}
-			push(relabeller->batch, relabeller->labelling, list[i]);
-		}
-		eskel_status status = flush(relabeller, scores, clock, list, &kept);
-		if (status)
-			return status;
-	}
-	return ESKEL_OK;
-}
-
-/* ---------------------------------------------------------------------------------------------- blocks */
-
-/* The scores of the candidates, and their bits. The order of classes in near is of no account: a score carries its
- * class. All numbers are integers below 2^53: the greatest difference of two scores in the box bounds them. */
+/* The scores of the candidates, and their bits. All numbers are integers below 2^53: the greatest difference of two scores in the box bounds them. */
 static uint64_t find_candidates(const block *b, const esk_scores *scores, esk_scores *near)
 {
 	double at_centre[ESKEL_LEVELS_MAX];
@@ -282,7 +156,8 @@ static int64_t least_settled(const esk_relabeller *relabeller, size_t index)
 static eskel_status label_block(esk_relabeller *relabeller, size_t index, const esk_scores *scores)
 {
 	block *b = &relabeller->blocks[index];
-	const uint64_t candidates = find_candidates(b, scores, &relabeller->near);
+	esk_scores near;
+	const uint64_t candidates = find_candidates(b, scores, &near);
 	if (!relabeller->before.count || (candidates & ~b->candidates) || b->clock > INT64_MAX / 2)
 		unsettle(relabeller, index);
 	else
@@ -291,8 +166,8 @@ static eskel_status label_block(esk_relabeller *relabeller, size_t index, const 
 	if (b->due > b->clock)
 		return ESKEL_OK;
 	size_t list[BLOCK_SEGMENTS];
-	eskel_status status =
-		label_segments(relabeller, scores, b->clock, list, list_unsettled(relabeller, index, list));
+	eskel_status status = esk_cutter_run(
+		&relabeller->cutter, scores, &near, b->clock, list, list_unsettled(relabeller, index, list));
 	b->due = least_settled(relabeller, index);
 	return status;
 }

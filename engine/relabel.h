@@ -2,8 +2,7 @@
 #ifndef ESK_RELABEL_H
 #define ESK_RELABEL_H
 
-#include "labelling.h"
-#include "scores.h"
+#include "cutter.h"
 
 typedef struct {
 	esk_labelling *labelling; /* borrowed */
@@ -11,8 +10,7 @@ typedef struct {
 	size_t block_count;
 	struct esk_block *blocks; /* see relabel.c */
 	int64_t *settled; /* [segment_count] no label of the segment can change while its block's clock is less */
-	esk_scores near;  /* of the block at hand: those of its candidates */
-	struct esk_batch *batch;
+	esk_cutter cutter;
 } esk_relabeller;
 
 eskel_status esk_relabeller_init(esk_relabeller *relabeller, esk_labelling *labelling);

@@ -79,6 +79,9 @@ static void fill_node(const esk_moments *moments, const eskel_affine *world, esk
 	}
 	esk_affine_apply(world, centre, node->centre);
 	esk_affine_congruence(world, (const double(*)[3])covariance, node->covariance);
+	for (int r = 0; r < 3; r++)
+		if (node->covariance[r][r] < 0)
+			node->covariance[r][r] = 0; /* a flat class, but for rounding */
 	node->voxels = moments->voxels;
 	node->weight = weight;
 }

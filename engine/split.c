@@ -74,7 +74,8 @@ static eskel_status major_axis_plane(
 }
 
 /* The decomposition theorem gives the parts' inertia without their second moments:
- * w V = w' V' + w'' V'' + (w' w'' / w) |g' - g''|^2. */
+ * w V = w' V' + w'' V'' + (w' w'' / w) |g' - g''|^2. Rounded well above the noise of doubles, so that equal splits of a
+ * symmetric cloud tie however its axes lie. */
 static double ratio_of(const esk_sums parts[2], const esk_metric *metric, double inertia)
 {
 	const double weights[2] = {(double)parts[0].weight, (double)parts[1].weight};
@@ -85,7 +86,7 @@ static double ratio_of(const esk_sums parts[2], const esk_metric *metric, double
 		for (int c = 0; c < 3; c++)
 			squared += (double)metric->form[r][c] * d[r] * d[c];
 	double ratio = 1 - weights[0] * weights[1] / (weights[0] + weights[1]) * squared / inertia;
-	return nearbyint(ratio * 0x1p40) * 0x1p-40;
+	return fmax(0, nearbyint(ratio * 0x1p32) * 0x1p-32);
 }
 
 /* The heavier part first, on a tie the one of larger variance. */

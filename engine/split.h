@@ -7,7 +7,7 @@
 typedef struct {
 	bool possible;     /* false: the class has no variance in the metric, and the rest is unset */
 	bool degenerate;   /* the major axis was undefined */
-	double ratio;      /* r = (w' V' + w'' V'') / (w V), to 2^-40 */
+	double ratio;      /* r = (w' V' + w'' V'') / (w V), to 2^-32 */
 	esk_sums parts[2]; /* the heavier part first; on a tie the one of larger variance */
 } esk_split;
 

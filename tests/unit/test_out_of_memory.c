@@ -41,7 +41,27 @@ void *__wrap_realloc(void *old, size_t size)
 	return fails() ? NULL : __real_realloc(old, size);
 }
 
-/* From the bytes of a file to a cloud, its encoding, and the cloud decoded from that. */
+/* From a cloud to its skeleton, its encoding, and the skeleton decoded from that. */
+static eskel_status run_skeleton(const eskel_cloud *cloud, eskel_error *error)
+{
+	eskel_skeleton *skeleton = NULL, *again = NULL;
+	uint8_t *encoded = NULL;
+	size_t encoded_size = 0;
+	const eskel_skeleton_options options = {.levels = 3, .coarse_start = true};
+	eskel_status status = eskel_skeleton_new(cloud, &options, &skeleton, error);
+	assert_int_equal(status != ESKEL_OK, skeleton == NULL);
+	if (status == ESKEL_OK)
+		status = eskel_skeleton_encode(skeleton, &encoded, &encoded_size);
+	if (status == ESKEL_OK)
+		status = eskel_skeleton_decode(encoded, encoded_size, &again, error);
+	assert_int_equal(status != ESKEL_OK, again == NULL);
+	free(encoded);
+	eskel_skeleton_free(again);
+	eskel_skeleton_free(skeleton);
+	return status;
+}
+
+/* From the bytes of a file to a cloud, its encoding, and the cloud decoded from that; and to a skeleton. */
 static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	eskel_volume *volume = NULL;
@@ -61,6 +81,8 @@ static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error 
 	if (status == ESKEL_OK)
 		status = eskel_cloud_decode(encoded, encoded_size, &again, error);
 	assert_int_equal(status != ESKEL_OK, again == NULL);
+	if (status == ESKEL_OK)
+		status = run_skeleton(again, error);
 	free(encoded);
 	eskel_cloud_free(again);
 	eskel_cloud_free(cloud);
