@@ -4,44 +4,37 @@
  * features on; "uniform" is the assignment of uniformly random costs, which has more augmenting paths to find. */
 #include "assignment.h"
 #include "distance.h"
+#include "measure.h"
 #include "synthetic.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 enum { shapes = 64 };
-
-static double now(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Sums over classes, so that nothing is left out as unused. */
 static double checksum;
 
 static double time_with_costs(const esk_query *queries, uint32_t k, double seconds)
 {
-	double start = now();
+	double start = measure_milliseconds();
 	size_t done = 0;
-	for (; now() - start < seconds; done += shapes)
+	for (; measure_milliseconds() - start < 1e3 * seconds; done += shapes)
 		for (uint32_t n = 0; n < shapes; n++)
 			checksum += esk_query_level(&queries[n], queries[(n * 7 + 5) % shapes].shape, k);
-	return 1e6 * (now() - start) / (double)done;
+	return 1e3 * (measure_milliseconds() - start) / (double)done;
 }
 
 static double time_solve(const float *costs, uint32_t k, double seconds)
 {
-	double start = now();
+	double start = measure_milliseconds();
 	size_t done = 0;
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
-	for (; now() - start < seconds; done += shapes)
+	for (; measure_milliseconds() - start < 1e3 * seconds; done += shapes)
 		for (uint32_t n = 0; n < shapes; n++)
 			checksum += esk_assignment_solve(k, costs + n * k * k, column_of_row);
-	return 1e6 * (now() - start) / (double)done;
+	return 1e3 * (measure_milliseconds() - start) / (double)done;
 }
 
 static void fill_class_costs(const esk_query *queries, uint32_t k, float *costs)
@@ -87,6 +80,6 @@ int main(int count, char **arguments)
 		esk_query_clear(&queries[n]);
 		esk_shape_release(made[n]);
 	}
-	fprintf(stderr, "checksum %g\n", checksum);
+	printf("peak memory %.1f MB, checksum %g\n", measure_peak_megabytes(), checksum);
 	return 0;
 }

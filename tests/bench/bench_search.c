@@ -2,52 +2,37 @@
  *
  * A library of synthetic shapes in clusters of twenty; queries are further members of a cluster. */
 #include "eskel.h"
+#include "measure.h"
 #include "synthetic.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <time.h>
 
 static const double noise = 0.15;
 enum { members = 20 };
-
-static double now(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static double peak_megabytes(void)
-{
-	struct rusage usage;
-	getrusage(RUSAGE_SELF, &usage);
-	return (double)usage.ru_maxrss / 1024;
-}
 
 static eskel_library *fill(size_t shapes)
 {
 	eskel_library *library = NULL;
 	if (eskel_library_new(&library) != ESKEL_OK)
 		exit(1);
-	double adding = 0, before = peak_megabytes();
+	double adding = 0, before = measure_peak_megabytes();
 	for (size_t n = 0; n < shapes; n++) {
 		eskel_signature *signature = synthetic_signature(n / members, n, noise, 16);
-		double start = now();
+		double start = measure_milliseconds();
 		if (eskel_library_add(library, (int64_t)n, signature) != ESKEL_OK)
 			exit(1);
-		adding += now() - start;
+		adding += measure_milliseconds() - start;
 		eskel_signature_free(signature);
 	}
-	printf("%zu shapes added in %.2f s, %.0f bytes each\n", shapes, adding,
-		(peak_megabytes() - before) * 1048576 / (double)shapes);
+	printf("%zu shapes added in %.2f s, %.0f bytes each\n", shapes, adding / 1e3,
+		(measure_peak_megabytes() - before) * 1048576 / (double)shapes);
 	return library;
 }
 
 typedef struct {
-	double seconds, slowest;
+	double spent, slowest; /* ms */
 	double compared, kept[3];
 } total;
 
@@ -55,12 +40,12 @@ static eskel_search_result *search(
 	const eskel_library *library, const eskel_signature *query, const eskel_search_options *options, total *t)
 {
 	eskel_search_result *result = NULL;
-	double start = now();
+	double start = measure_milliseconds();
 	if (eskel_library_search(library, query, options, &result) != ESKEL_OK)
 		exit(1);
-	double seconds = now() - start;
-	t->seconds += seconds;
-	t->slowest = seconds > t->slowest ? seconds : t->slowest;
+	double spent = measure_milliseconds() - start;
+	t->spent += spent;
+	t->slowest = spent > t->slowest ? spent : t->slowest;
 	t->compared += (double)result->compared;
 	for (int step = 0; step < 3; step++)
 		t->kept[step] += (double)result->kept[step];
@@ -69,7 +54,7 @@ static eskel_search_result *search(
 
 static void print_row(const char *mode, const total *t, int queries)
 {
-	printf("  %-6s %9.3f %9.3f %10.0f %9.0f %9.0f %9.0f\n", mode, 1e3 * t->seconds / queries, 1e3 * t->slowest,
+	printf("  %-6s %9.3f %9.3f %10.0f %9.0f %9.0f %9.0f\n", mode, t->spent / queries, t->slowest,
 		t->kept[0] / queries, t->kept[1] / queries, t->kept[2] / queries, t->compared / queries);
 }
 
@@ -115,7 +100,7 @@ int main(int count, char **arguments)
 	for (int signature = 0; signature < 2; signature++)
 		for (int kind = 0; kind < 2; kind++)
 			measure(library, shapes, queries, (eskel_signature_kind)signature, (eskel_distance_kind)kind);
-	printf("peak memory %.0f MB\n", peak_megabytes());
+	printf("peak memory %.0f MB\n", measure_peak_megabytes());
 	eskel_library_free(library);
 	return 0;
 }
