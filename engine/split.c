@@ -104,30 +104,40 @@ static void order_parts(const esk_partition *partition, esk_sums parts[2])
 	parts[1] = sums[!second_first];
 }
 
+/* Both parts are never empty: some voxel lies below the plane and some above, unless rounding has made the class flat
+ * along the normal; then it is not split. */
+static eskel_status split_along(
+	esk_partition *partition, const esk_sums *whole, const int64_t normal[3], double inertia, esk_split *split)
+{
+	esk_sums starts[2];
+	eskel_status status = cut_at_centre(partition, whole, normal, starts);
+	if (status || !starts[1].weight)
+		return status;
+	status = esk_partition_converge(partition, starts, 2);
+	if (status)
+		return status;
+	split->possible = true;
+	order_parts(partition, split->parts);
+	split->ratio = ratio_of(split->parts, partition->metric, inertia);
+	return ESKEL_OK;
+}
+
 eskel_status esk_split_class(const esk_segment *segments, size_t segment_count, const esk_moments *moments,
 	const esk_metric *metric, const eskel_affine *axes_map, esk_split *split)
 {
 	esk_split result = {0};
-	const double inertia = esk_moments_inertia(moments, metric->form);
-	if (!(inertia > 0)) {
-		*split = result;
-		return ESKEL_OK;
-	}
 	esk_partition partition = {0};
 	int64_t normal[3];
-	esk_sums starts[2];
-	eskel_status status = major_axis_plane(moments, axes_map, normal, &result.degenerate);
-	if (!status)
-		status = esk_partition_init(&partition, segments, segment_count, metric);
-	if (!status)
-		status = cut_at_centre(&partition, &moments->sums, normal, starts);
-	if (!status && starts[1].weight) {
-		status = esk_partition_converge(&partition, starts, 2);
-		result.possible = true;
-		order_parts(&partition, result.parts);
-		result.ratio = ratio_of(result.parts, metric, inertia);
+	eskel_status status = ESKEL_OK;
+	const double inertia = esk_moments_inertia(moments, metric->form);
+	if (inertia > 0) {
+		status = major_axis_plane(moments, axes_map, normal, &result.degenerate);
+		if (!status)
+			status = esk_partition_init(&partition, segments, segment_count, metric);
+		if (!status)
+			status = split_along(&partition, &moments->sums, normal, inertia, &result);
+		esk_partition_clear(&partition);
 	}
-	esk_partition_clear(&partition);
 	if (!status)
 		*split = result;
 	return status;

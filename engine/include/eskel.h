@@ -204,7 +204,7 @@ typedef struct {
 typedef struct {
 	uint32_t level;
 	int32_t split_class;        /* class of the level above that was split, -1 at level 1 */
-	double split_ratio;         /* section 2.4.2, weighted; 0 at level 1 */
+	double split_ratio;         /* section 2.4.2, weighted; 0 at level 1; of the coarse cloud after a coarse start */
 	double intraclass_ratio;    /* sum w_i V_i / (w V); 1 at level 1, 0 if V = 0 */
 	bool degenerate;            /* the split axis was undefined (equal eigenvalues) */
 } eskel_level;
