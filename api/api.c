@@ -7,6 +7,7 @@
 
 #define MOST_BODY_BYTES ((uint64_t)1 << 30)
 #define MOST_VOXELS ((uint64_t)1 << 31)
+#define MOST_RUNS ((uint64_t)1 << 24)
 #define MOST_LABELS 1024
 #define MOST_DISTANCES 4000000
 
@@ -61,6 +62,8 @@ static void set_defaults(eskel_api_options *options)
 		options->most_body_bytes = MOST_BODY_BYTES;
 	if (options->most_voxels == 0)
 		options->most_voxels = MOST_VOXELS;
+	if (options->most_runs == 0)
+		options->most_runs = MOST_RUNS;
 	if (options->most_labels == 0)
 		options->most_labels = MOST_LABELS;
 	if (options->most_distances == 0)

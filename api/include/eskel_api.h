@@ -19,6 +19,7 @@ typedef struct eskel_api eskel_api;
 typedef struct {
 	uint64_t most_body_bytes;        /* of a posted volume as sent; default 1 GiB */
 	uint64_t most_voxels;            /* of its grid; default 2^31 */
+	uint64_t most_runs;              /* of all its labels together; default 2^24: work takes up to 150 bytes a run */
 	uint32_t most_labels;            /* in one request; default 1024 */
 	uint64_t most_distances;         /* cells of one matrix; default 4 million */
 	eskel_store_options store;

@@ -51,6 +51,8 @@ static const struct row {
 	{"drain", ESK_SERVE, NUMBER, AT(drain), "SECONDS", 30, 0, 3600, "for requests under way when asked to stop"},
 	{"most-body", ESK_SERVE, NUMBER, AT(most_body), "BYTES", GIB, KIB, 1024 * GIB, "in one request"},
 	{"most-voxels", ESK_SERVE, NUMBER, AT(most_voxels), "N", 2 * GIB, 1, 1024 * GIB, "in the grid of a volume"},
+	{"most-runs", ESK_SERVE, NUMBER, AT(most_runs), "N", 16 * KIB *KIB, 1, GIB,
+		"rows of voxels in all labels of a volume; each takes up to 150 bytes of memory"},
 	{"most-labels", ESK_SERVE, NUMBER, AT(most_labels), "N", 1024, 1, 65535, "in one request"},
 	{"most-distances", ESK_SERVE, NUMBER, AT(most_distances), "N", 4000000, 1, GIB, "in one matrix"},
 	{"role", ESK_TOKEN_ADD, TEXT, AT(role), "ROLE", 0, 0, 0, "read, write or admin; default read"},

@@ -111,6 +111,7 @@ static bool open_api(const esk_options *options, esk_server *server)
 	const eskel_api_options api_options = {
 		.most_body_bytes = options->most_body,
 		.most_voxels = options->most_voxels,
+		.most_runs = options->most_runs,
 		.most_labels = (uint32_t)options->most_labels,
 		.most_distances = options->most_distances,
 		.loading = loading,

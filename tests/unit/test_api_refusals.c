@@ -292,6 +292,22 @@ static void a_grid_and_its_labels_have_limits(void **state)
 	volume_free(&two);
 }
 
+static void the_runs_of_a_volume_have_a_limit(void **state)
+{
+	api_fixture *f = *state;
+	char path[300];
+	snprintf(path, sizeof path, "%s/few", f->folder);
+	eskel_api *few = NULL;
+	assert_int_equal(eskel_api_open(path, &(eskel_api_options){.most_runs = 20}, &few, NULL), ESKEL_STORE_OK);
+	volume_file file = volume_of_family(0, 0, 0);
+	answer a = post_volume(few, &file, "/shapes");
+	assert_says(&a, 413, "more than 20 runs");
+	nothing_is_stored(few);
+	eskel_api_close(few);
+	answer_free(&a);
+	volume_free(&file);
+}
+
 static void a_problem_echoes_no_control_characters(void **state)
 {
 	api_fixture *f = *state;
@@ -318,6 +334,7 @@ int main(void)
 		api_test(an_unknown_shape_is_named),
 		api_test(a_body_has_its_limit),
 		api_test(a_grid_and_its_labels_have_limits),
+		api_test(the_runs_of_a_volume_have_a_limit),
 		api_test(a_problem_echoes_no_control_characters),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
