@@ -8,7 +8,6 @@
 #include "shapes.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -54,7 +53,7 @@ static eskel_cloud *decode(const uint8_t *bytes, size_t size)
 }
 
 typedef enum { DECODE, SKELETON, SIGNATURE, STORE, STAGES } stage;
-static const char *const names[STAGES] = {"volume to cloud", "skeleton", "signature", "store, on disk"};
+static const char *const names[STAGES] = {"- volume to cloud", "- skeleton", "- signature", "- store, on disk"};
 
 /* One enrollment; each stage's milliseconds into least where they are less. */
 static void enroll(const uint8_t *bytes, size_t size, uint32_t levels, eskel_store *store, double least[STAGES])
@@ -94,12 +93,13 @@ static void report(const uint8_t *bytes, size_t size, uint32_t levels, eskel_sto
 	double least[STAGES] = {INFINITY, INFINITY, INFINITY, INFINITY}, sum = 0;
 	for (int i = 0; i < REPEATS; i++)
 		enroll(bytes, size, levels, store, least);
-	printf("%u levels\n", levels);
-	for (stage s = 0; s < STAGES; s++) {
-		printf("  %-16s %8.2f ms\n", names[s], least[s]);
+	char figure[32];
+	snprintf(figure, sizeof figure, "enroll/levels=%u", levels);
+	for (stage s = 0; s < STAGES; s++)
 		sum += least[s];
-	}
-	printf("  %-16s %8.2f ms\n", "together", sum);
+	measure_print(figure, "eskel, all stages", sum, "ms");
+	for (stage s = 0; s < STAGES; s++)
+		measure_print(figure, names[s], least[s], "ms");
 }
 
 static void remove_database(const char *path)
@@ -123,11 +123,9 @@ int main(int argc, char **argv)
 	eskel_cloud *femur = shapes_cloud(&shapes_femur, &shapes_identity);
 	size_t size = 0;
 	uint8_t *bytes = gzipped_volume(femur, &size);
-	printf("%llu voxels, %zu runs, %zu bytes gzipped\n", (unsigned long long)femur->voxels, femur->run_count, size);
 	eskel_cloud_free(femur);
 	report(bytes, size, 10, store);
 	report(bytes, size, 16, store);
-	printf("peak memory %.1f MB, the volume's grid included\n", measure_peak_megabytes());
 	free(bytes);
 	eskel_store_close(store);
 	remove_database(path);

@@ -1,85 +1,103 @@
-/* Time of a matching: bench_match [seconds per figure, default 0.3]
+/* Time of a matching: bench_match FILE...
  *
- * "solve" is the assignment alone, on costs between classes of synthetic shapes; "with costs" is all of D_k, from stored
- * features on; "uniform" is the assignment of uniformly random costs, which has more augmenting paths to find. */
+ * A file KIND-K holds matrices of K x K costs (bench_inputs.c). "eskel" is the assignment alone; "eskel, costs included"
+ * is all of D_K, from stored features on; the textbook's costs must come out the same. */
 #include "assignment.h"
 #include "distance.h"
 #include "measure.h"
+#include "peers/textbook_assignment.h"
 #include "synthetic.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { shapes = 64 };
+enum { MATRICES = 64 };
+static const double milliseconds = 200; /* spent on each figure */
 
 /* Sums over classes, so that nothing is left out as unused. */
 static double checksum;
 
-static double time_with_costs(const esk_query *queries, uint32_t k, double seconds)
+static void fail(const char *what)
 {
-	double start = measure_milliseconds();
-	size_t done = 0;
-	for (; measure_milliseconds() - start < 1e3 * seconds; done += shapes)
-		for (uint32_t n = 0; n < shapes; n++)
-			checksum += esk_query_level(&queries[n], queries[(n * 7 + 5) % shapes].shape, k);
-	return 1e3 * (measure_milliseconds() - start) / (double)done;
+	fprintf(stderr, "bench_match: %s\n", what);
+	exit(1);
 }
 
-static double time_solve(const float *costs, uint32_t k, double seconds)
+static double solve(uint32_t k, const float *costs)
 {
-	double start = measure_milliseconds();
-	size_t done = 0;
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
-	for (; measure_milliseconds() - start < 1e3 * seconds; done += shapes)
-		for (uint32_t n = 0; n < shapes; n++)
-			checksum += esk_assignment_solve(k, costs + n * k * k, column_of_row);
+	return esk_assignment_solve(k, costs, column_of_row);
+}
+
+static double solve_as_textbooks(uint32_t k, const float *costs)
+{
+	return textbook_assignment((int)k, costs);
+}
+
+/* Microseconds. */
+static double time_solver(double (*solver)(uint32_t k, const float *costs), uint32_t k, const float *costs)
+{
+	const double start = measure_milliseconds();
+	size_t done = 0;
+	for (; measure_milliseconds() - start < milliseconds; done += MATRICES)
+		for (uint32_t n = 0; n < MATRICES; n++)
+			checksum += solver(k, costs + n * k * k);
 	return 1e3 * (measure_milliseconds() - start) / (double)done;
 }
 
-static void fill_class_costs(const esk_query *queries, uint32_t k, float *costs)
+static double time_with_costs(const esk_query *queries, uint32_t k)
 {
-	for (uint32_t n = 0; n < shapes; n++) {
-		const float *a = queries[n].rows[k - 1], *b = queries[(n * 7 + 5) % shapes].rows[k - 1];
-		for (uint32_t i = 0; i < k; i++)
-			for (uint32_t j = 0; j < k; j++) {
-				float cost = 0;
-				for (uint32_t c = 0; c < ESKEL_SIGNATURE_NUMBERS; c++)
-					cost += fabsf(a[c * k + i] - b[c * k + j]);
-				*costs++ = cost;
-			}
-	}
+	const double start = measure_milliseconds();
+	size_t done = 0;
+	for (; measure_milliseconds() - start < milliseconds; done += MATRICES)
+		for (uint32_t n = 0; n < MATRICES; n++)
+			checksum += esk_query_level(&queries[n], queries[(n * 7 + 5) % MATRICES].shape, k);
+	return 1e3 * (measure_milliseconds() - start) / (double)done;
 }
 
-int main(int count, char **arguments)
+static void compare(uint32_t k, const float *costs)
 {
-	static const uint32_t levels[] = {4, 10, 16, 32, 64};
-	const double seconds = count > 1 ? atof(arguments[1]) : 0.3;
-	static esk_query queries[shapes];
-	static float costs[shapes * ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
-	esk_shape *made[shapes] = {NULL};
-	uint64_t random = 1;
-	for (uint32_t n = 0; n < shapes; n++) {
+	for (uint32_t n = 0; n < MATRICES; n++)
+		if (fabs(solve(k, costs + n * k * k) - textbook_assignment((int)k, costs + n * k * k)) > 1e-4)
+			fail("the textbook's assignment costs another sum");
+}
+
+static void report(const char *path, const esk_query *queries)
+{
+	static float costs[MATRICES * ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path, *dash = strchr(name, '-');
+	const uint32_t k = dash ? (uint32_t)atoi(dash + 1) : 0;
+	FILE *file = fopen(path, "rb");
+	if (k < 1 || k > ESKEL_LEVELS_MAX || !file || fread(costs, sizeof *costs * k * k, MATRICES, file) != MATRICES)
+		fail(path);
+	fclose(file);
+	char figure[64];
+	snprintf(figure, sizeof figure, "match-%.*s/k=%u", (int)(dash - name), name, k);
+	compare(k, costs);
+	measure_print(figure, "eskel", time_solver(solve, k, costs), "us");
+	measure_print(figure, "eskel", measure_peak_megabytes(), "MB");
+	if (!strncmp(name, "classes", 7))
+		measure_print(figure, "eskel, costs included", time_with_costs(queries, k), "us");
+	measure_print(figure, "textbook in C", time_solver(solve_as_textbooks, k, costs), "us");
+}
+
+int main(int argc, char **argv)
+{
+	static esk_query queries[MATRICES];
+	esk_shape *shapes[MATRICES] = {NULL};
+	for (uint32_t n = 0; n < MATRICES; n++) {
 		eskel_signature *signature = synthetic_signature(n / 4, n, 0.3, ESKEL_LEVELS_MAX);
-		if (esk_shape_new(signature, &made[n]) != ESKEL_OK ||
-			esk_query_init(&queries[n], made[n], NULL) != ESKEL_OK)
-			return 1;
+		if (esk_shape_new(signature, &shapes[n]) || esk_query_init(&queries[n], shapes[n], NULL))
+			fail("no shapes");
 		eskel_signature_free(signature);
 	}
-	puts("microseconds    k   solve  with costs  uniform");
-	for (size_t l = 0; l < sizeof levels / sizeof *levels; l++) {
-		const uint32_t k = levels[l];
-		fill_class_costs(queries, k, costs);
-		double solve = time_solve(costs, k, seconds), whole = time_with_costs(queries, k, seconds);
-		for (size_t n = 0; n < (size_t)shapes * k * k; n++)
-			costs[n] = (float)synthetic_uniform(&random);
-		double uniform = time_solve(costs, k, seconds);
-		printf("             %4u %7.3f     %7.3f  %7.3f\n", k, solve, whole, uniform);
-	}
-	for (uint32_t n = 0; n < shapes; n++) {
+	for (int i = 1; i < argc; i++)
+		report(argv[i], queries);
+	for (uint32_t n = 0; n < MATRICES; n++) {
 		esk_query_clear(&queries[n]);
-		esk_shape_release(made[n]);
+		esk_shape_release(shapes[n]);
 	}
-	printf("peak memory %.1f MB, checksum %g\n", measure_peak_megabytes(), checksum);
+	fprintf(stderr, "checksum %g\n", checksum);
 	return 0;
 }

@@ -4,6 +4,7 @@
  *
  * Without files: three shapes by formula. A file is a volume; its first label is taken. */
 #include "levels.h"
+#include "measure.h"
 #include "partition.h"
 #include "shapes.h"
 #include "voxel_clustering.h"
@@ -11,10 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <time.h>
-
-enum { REPEATS = 5 };
 
 static void fail(const char *what)
 {
@@ -22,34 +19,23 @@ static void fail(const char *what)
 	exit(1);
 }
 
-static double now(void)
+typedef struct {
+	const eskel_cloud *cloud;
+	eskel_skeleton_options options;
+} work;
+
+static void compute(void *context)
 {
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+	const work *w = context;
+	eskel_skeleton *skeleton = NULL;
+	if (eskel_skeleton_new(w->cloud, &w->options, &skeleton, NULL))
+		fail("no skeleton");
+	eskel_skeleton_free(skeleton);
 }
 
-static double peak_megabytes(void)
+static double time_skeleton(const eskel_cloud *cloud, eskel_skeleton_options options)
 {
-	struct rusage usage;
-	getrusage(RUSAGE_SELF, &usage);
-	return (double)usage.ru_maxrss / 1024;
-}
-
-/* Milliseconds, the least of a few. */
-static double time_skeleton(const eskel_cloud *cloud, const eskel_skeleton_options *options)
-{
-	double least = 1e300;
-	for (int i = 0; i < REPEATS; i++) {
-		eskel_skeleton *skeleton = NULL;
-		double start = now();
-		if (eskel_skeleton_new(cloud, options, &skeleton, NULL))
-			fail("no skeleton");
-		double spent = now() - start;
-		least = spent < least ? spent : least;
-		eskel_skeleton_free(skeleton);
-	}
-	return least;
+	return measure_least(compute, &(work){cloud, options});
 }
 
 /* The label of every voxel, in the order of the runs, in the partition that these centres are a fixed point of. */
@@ -67,7 +53,7 @@ static void label_voxels(esk_partition *partition, const esk_moments *classes, u
 }
 
 /* The levels of the engine, checked voxel by voxel against plain clustering; its milliseconds. */
-static double time_plain(const eskel_cloud *cloud, uint32_t levels, uint64_t *passes)
+static double time_plain(const eskel_cloud *cloud, uint32_t levels)
 {
 	esk_segment *segments = malloc(cloud->run_count * sizeof *segments);
 	esk_levels *found = malloc(sizeof *found);
@@ -92,16 +78,15 @@ static double time_plain(const eskel_cloud *cloud, uint32_t levels, uint64_t *pa
 	voxel_set set;
 	voxel_set_init(&set, cloud, (const int64_t(*)[3])metric.form, metric.shift, (const double(*)[3])map,
 		(const double(*)[3])map);
-	double start = now();
+	double start = measure_milliseconds();
 	if (voxel_clustering(&set, levels, plain) != levels)
 		fail("plain clustering did not reach all levels");
-	double spent = now() - start;
+	double spent = measure_milliseconds() - start;
 	for (uint32_t k = 1; k <= levels; k++) {
 		label_voxels(&partition, &found->classes[ESKEL_NODES(k - 1)], k, labels);
 		if (memcmp(labels, plain + (k - 1) * set.count, set.count) != 0)
 			fail("labels differ");
 	}
-	*passes = set.passes;
 	voxel_set_clear(&set);
 	esk_partition_clear(&partition);
 	free(segments);
@@ -113,16 +98,15 @@ static double time_plain(const eskel_cloud *cloud, uint32_t levels, uint64_t *pa
 
 static void report(const char *name, const eskel_cloud *cloud)
 {
-	double ten = time_skeleton(cloud, &(eskel_skeleton_options){.levels = 10});
-	double sixteen = time_skeleton(cloud, &(eskel_skeleton_options){.levels = 16});
-	double coarse = time_skeleton(cloud, &(eskel_skeleton_options){.levels = 16, .coarse_start = true});
-	double peak = peak_megabytes();
-	uint64_t passes = 0;
-	double plain = time_plain(cloud, 10, &passes);
-	printf("%-24s %9llu voxels %7zu runs | 1..10 %8.1f ms  1..16 %8.1f ms  coarse 1..16 %8.1f ms  peak %6.1f MB | "
-	       "plain 1..10 %8.0f ms, %llu passes, same labels | ratio %5.1f\n",
-		name, (unsigned long long)cloud->voxels, cloud->run_count, ten, sixteen, coarse, peak, plain,
-		(unsigned long long)passes, plain / ten);
+	char figure[256];
+	snprintf(figure, sizeof figure, "partition/%s", name);
+	measure_print(figure, "eskel 1..10", time_skeleton(cloud, (eskel_skeleton_options){.levels = 10}), "ms");
+	measure_print(figure, "eskel 1..10", measure_peak_megabytes(), "MB");
+	measure_print(figure, "eskel 1..16", time_skeleton(cloud, (eskel_skeleton_options){.levels = 16}), "ms");
+	const eskel_skeleton_options coarse = {.levels = 16, .coarse_start = true};
+	measure_print(figure, "eskel 1..16, coarse start", time_skeleton(cloud, coarse), "ms");
+	measure_print(figure, "plain Lloyd in C 1..10", time_plain(cloud, 10), "ms");
+	measure_print(figure, "plain Lloyd in C 1..10", measure_peak_megabytes(), "MB");
 }
 
 static eskel_cloud *read_cloud(const char *path)
@@ -157,8 +141,11 @@ int main(int argc, char **argv)
 		eskel_cloud_free(cloud);
 	}
 	for (int i = 1; i < argc; i++) {
+		char name[200];
+		const char *base = strrchr(argv[i], '/') ? strrchr(argv[i], '/') + 1 : argv[i];
+		snprintf(name, sizeof name, "%.*s", (int)strcspn(base, "."), base);
 		eskel_cloud *cloud = read_cloud(argv[i]);
-		report(strrchr(argv[i], '/') ? strrchr(argv[i], '/') + 1 : argv[i], cloud);
+		report(name, cloud);
 		eskel_cloud_free(cloud);
 	}
 	return 0;

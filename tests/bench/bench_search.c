@@ -1,106 +1,170 @@
-/* Time of a search: bench_search [shapes, default 100000] [queries, default 40]
+/* Time of a search: bench_search SHAPES [QUERIES, default 40]
  *
- * A library of synthetic shapes in clusters of twenty; queries are further members of a cluster. */
+ * A library of synthetic shapes in clusters of twenty; queries are further members of a cluster. The paper's distance at
+ * level 10 is also searched as textbooks would, shape by shape; both must find the same distance. */
 #include "eskel.h"
 #include "measure.h"
+#include "peers/textbook_assignment.h"
 #include "synthetic.h"
 
-#include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+enum { MEMBERS = 20, LEVELS = 16, LEVEL = 10, NUMBERS = 4, TEXTBOOK_QUERIES = 3 };
 static const double noise = 0.15;
-enum { members = 20 };
 
-static eskel_library *fill(size_t shapes)
+typedef float rows_of_shape[LEVEL][NUMBERS];
+
+static void require(bool holds, const char *what)
+{
+	if (holds)
+		return;
+	fprintf(stderr, "bench_search: %s\n", what);
+	exit(1);
+}
+
+static void copy_rows(const eskel_signature *signature, rows_of_shape rows)
+{
+	for (int i = 0; i < LEVEL; i++)
+		for (int j = 0; j < NUMBERS; j++)
+			rows[i][j] = (float)signature->rows[ESKEL_NODES(LEVEL - 1) + (size_t)i][j];
+}
+
+static eskel_library *fill(size_t shapes, rows_of_shape *rows)
 {
 	eskel_library *library = NULL;
-	if (eskel_library_new(&library) != ESKEL_OK)
-		exit(1);
-	double adding = 0, before = measure_peak_megabytes();
+	require(!eskel_library_new(&library), "no library");
 	for (size_t n = 0; n < shapes; n++) {
-		eskel_signature *signature = synthetic_signature(n / members, n, noise, 16);
-		double start = measure_milliseconds();
-		if (eskel_library_add(library, (int64_t)n, signature) != ESKEL_OK)
-			exit(1);
-		adding += measure_milliseconds() - start;
+		eskel_signature *signature = synthetic_signature(n / MEMBERS, n, noise, LEVELS);
+		require(!eskel_library_add(library, (int64_t)n, signature), "a shape was not added");
+		copy_rows(signature, rows[n]);
 		eskel_signature_free(signature);
 	}
-	printf("%zu shapes added in %.2f s, %.0f bytes each\n", shapes, adding / 1e3,
-		(measure_peak_megabytes() - before) * 1048576 / (double)shapes);
 	return library;
 }
 
+static eskel_signature *make_query(size_t shapes, int number)
+{
+	return synthetic_signature(
+		(size_t)number * 7919 % (shapes / MEMBERS + 1), shapes + (size_t)number, noise, LEVELS);
+}
+
+/* ---- ours */
+
 typedef struct {
-	double spent, slowest; /* ms */
-	double compared, kept[3];
+	double spent, compared, same_nearest, same_five;
 } total;
 
 static eskel_search_result *search(
 	const eskel_library *library, const eskel_signature *query, const eskel_search_options *options, total *t)
 {
 	eskel_search_result *result = NULL;
-	double start = measure_milliseconds();
-	if (eskel_library_search(library, query, options, &result) != ESKEL_OK)
-		exit(1);
-	double spent = measure_milliseconds() - start;
-	t->spent += spent;
-	t->slowest = spent > t->slowest ? spent : t->slowest;
+	const double start = measure_milliseconds();
+	require(!eskel_library_search(library, query, options, &result), "no result");
+	t->spent += measure_milliseconds() - start;
 	t->compared += (double)result->compared;
-	for (int step = 0; step < 3; step++)
-		t->kept[step] += (double)result->kept[step];
 	return result;
 }
 
-static void print_row(const char *mode, const total *t, int queries)
+static void count_found(const eskel_search_result *found, const eskel_search_result *best, total *t)
 {
-	printf("  %-6s %9.3f %9.3f %10.0f %9.0f %9.0f %9.0f\n", mode, t->spent / queries, t->slowest,
-		t->kept[0] / queries, t->kept[1] / queries, t->kept[2] / queries, t->compared / queries);
+	t->same_nearest += found->neighbours[0].key == best->neighbours[0].key;
+	for (size_t i = 0; i < best->count; i++)
+		for (size_t j = 0; j < found->count; j++)
+			t->same_five += best->neighbours[i].key == found->neighbours[j].key;
 }
 
-static void measure(const eskel_library *library, size_t shapes, int queries, eskel_signature_kind signature,
-	eskel_distance_kind kind)
+static void measure(const eskel_library *library, size_t shapes, int queries, const char *figure,
+	const eskel_distance_options *distance)
 {
 	total pruned = {0}, exact = {0};
-	int same_nearest = 0, same_five = 0;
-	printf("%s signature, %s\n", signature == ESKEL_SIGNATURE_LOG ? "log" : "paper",
-		kind == ESKEL_DISTANCE_SUM ? "sum over levels" : "level 10");
 	for (int q = 0; q < queries; q++) {
-		size_t cluster = (size_t)q * 7919 % (shapes / members + 1);
-		eskel_signature *query = synthetic_signature(cluster, shapes + (size_t)q, noise, 16);
-		eskel_search_options options = {
-			.distance = {.signature = signature, .distance = kind}, .mode = ESKEL_SEARCH_PRUNED};
-		eskel_search_result *found = search(library, query, &options, &pruned);
-		options.mode = ESKEL_SEARCH_EXACT;
+		eskel_signature *query = make_query(shapes, q);
+		eskel_search_options options = {.distance = *distance, .mode = ESKEL_SEARCH_EXACT};
 		eskel_search_result *best = search(library, query, &options, &exact);
-		same_nearest += found->neighbours[0].key == best->neighbours[0].key;
-		for (size_t i = 0; i < best->count; i++)
-			for (size_t j = 0; j < found->count; j++)
-				same_five += best->neighbours[i].key == found->neighbours[j].key;
+		options.mode = ESKEL_SEARCH_PRUNED;
+		eskel_search_result *found = search(library, query, &options, &pruned);
+		count_found(found, best, &pruned);
 		eskel_search_result_free(found);
 		eskel_search_result_free(best);
 		eskel_signature_free(query);
 	}
-	print_row("pruned", &pruned, queries);
-	print_row("exact", &exact, queries);
-	printf("  recall of pruned: nearest %.3f, five nearest %.3f\n", (double)same_nearest / queries,
-		(double)same_five / (5 * queries));
+	measure_print(figure, "eskel exact", exact.spent / queries, "ms");
+	measure_print(figure, "eskel exact", exact.compared / queries, "compared");
+	measure_print(figure, "eskel pruned", pruned.spent / queries, "ms");
+	measure_print(figure, "eskel pruned", pruned.compared / queries, "compared");
+	measure_print(figure, "eskel pruned", 100 * pruned.same_nearest / queries, "% nearest found");
+	measure_print(figure, "eskel pruned", 100 * pruned.same_five / (5 * queries), "% of five found");
+}
+
+/* ---- as textbooks would */
+
+static double compare_as_textbooks(rows_of_shape a, rows_of_shape b)
+{
+	float costs[LEVEL * LEVEL];
+	for (int i = 0; i < LEVEL; i++)
+		for (int j = 0; j < LEVEL; j++) {
+			float cost = 0;
+			for (int n = 0; n < NUMBERS; n++)
+				cost += fabsf(a[i][n] - b[j][n]);
+			costs[i * LEVEL + j] = cost;
+		}
+	return textbook_assignment(LEVEL, costs);
+}
+
+static void measure_textbook(const eskel_library *library, rows_of_shape *rows, size_t shapes, const char *figure,
+	const eskel_distance_options *distance)
+{
+	double spent = 0;
+	for (int q = 0; q < TEXTBOOK_QUERIES; q++) {
+		eskel_signature *query = make_query(shapes, q);
+		eskel_search_result *best = NULL;
+		rows_of_shape query_rows;
+		copy_rows(query, query_rows);
+		double least = INFINITY;
+		const double start = measure_milliseconds();
+		for (size_t n = 0; n < shapes; n++)
+			least = fmin(least, compare_as_textbooks(query_rows, rows[n]));
+		spent += measure_milliseconds() - start;
+		require(!eskel_library_search(library, query, &(eskel_search_options){.distance = *distance}, &best) &&
+				fabs(best->neighbours[0].distance - least) < 1e-4 * least,
+			"the textbook's nearest is as near as another");
+		eskel_search_result_free(best);
+		eskel_signature_free(query);
+	}
+	measure_print(figure, "textbook in C, exhaustive", spent / TEXTBOOK_QUERIES, "ms");
 }
 
 int main(int count, char **arguments)
 {
-	const size_t shapes = count > 1 ? strtoull(arguments[1], NULL, 10) : 100000;
+	const size_t shapes = count > 1 ? strtoull(arguments[1], NULL, 10) : 0;
 	const int queries = count > 2 ? atoi(arguments[2]) : 40;
-	if (shapes < 10 || queries < 1) {
-		fputs("usage: bench_search [shapes, at least 10] [queries]\n", stderr);
-		return 2;
+	require(shapes >= 10 && queries >= 1, "usage: bench_search SHAPES (at least 10) [QUERIES]");
+	rows_of_shape *rows = malloc(shapes * sizeof *rows);
+	require(rows != NULL, "memory ran out");
+	memset(rows, 0, shapes * sizeof *rows); /* so that it is not counted to the library */
+	const double before = measure_peak_megabytes();
+	eskel_library *library = fill(shapes, rows);
+	const double megabytes = measure_peak_megabytes() - before;
+	static const struct {
+		const char *name;
+		eskel_distance_options distance;
+	} kinds[] = {
+		{"log-sum", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_SUM}},
+		{"log-level", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
+		{"paper-sum", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_SUM}},
+		{"paper-level", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
+	};
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		char figure[64];
+		snprintf(figure, sizeof figure, "search-%s/shapes=%zu", kinds[i].name, shapes);
+		measure(library, shapes, queries, figure, &kinds[i].distance);
+		measure_print(figure, "eskel exact", megabytes, "MB");
+		if (!strcmp(kinds[i].name, "paper-level"))
+			measure_textbook(library, rows, shapes, figure, &kinds[i].distance);
 	}
-	eskel_library *library = fill(shapes);
-	puts("            mean ms   slowest     kept 1    kept 2    kept 3  compared");
-	for (int signature = 0; signature < 2; signature++)
-		for (int kind = 0; kind < 2; kind++)
-			measure(library, shapes, queries, (eskel_signature_kind)signature, (eskel_distance_kind)kind);
-	printf("peak memory %.0f MB\n", measure_peak_megabytes());
 	eskel_library_free(library);
+	free(rows);
 	return 0;
 }
