@@ -9,6 +9,7 @@
 #include "distance.h"
 
 #include "assignment.h"
+#include "class_costs.h"
 #include "memory.h"
 #include "signature.h"
 
@@ -79,28 +80,6 @@ const float *esk_query_sorted(const esk_query *query, const esk_shape *other, ui
 	return scratch;
 }
 
-/* costs[i * k + j]: from class i of a to class j of b. Sums run over the numbers in order. */
-static void class_costs(const esk_query *query, uint32_t k, const float *a, const float *b, float *costs)
-{
-	const uint32_t numbers = esk_numbers(query->signature);
-	for (uint32_t i = 0; i < k; i++) {
-		float *row = costs + i * k;
-		memset(row, 0, k * sizeof *row);
-		for (uint32_t c = 0; c < numbers; c++) {
-			const float mine = a[c * k + i], *theirs = b + c * k;
-			if (query->euclidean)
-				for (uint32_t j = 0; j < k; j++)
-					row[j] += (mine - theirs[j]) * (mine - theirs[j]);
-			else
-				for (uint32_t j = 0; j < k; j++)
-					row[j] += fabsf(mine - theirs[j]);
-		}
-		if (query->euclidean)
-			for (uint32_t j = 0; j < k; j++)
-				row[j] = sqrtf(row[j]);
-	}
-}
-
 static bool comes_first(const float *a, const float *b, uint32_t count)
 {
 	for (uint32_t n = 0; n < count; n++)
@@ -109,26 +88,27 @@ static bool comes_first(const float *a, const float *b, uint32_t count)
 	return true;
 }
 
-/* The least cost of a level, with the costs and the columns of rows that give it, and whether rows are classes of the
- * other shape. */
+/* The least cost of a level, with the costs (padded, aligned) and the columns of rows that give it, and whether rows are
+ * classes of the other shape. */
 static double solve_level(const esk_query *query, const esk_shape *other, uint32_t level, float *costs,
 	uint32_t *column_of_row, bool *swapped)
 {
 	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX];
 	const float *mine = query->rows[level - 1];
 	const uint32_t numbers = esk_numbers(query->signature);
+	const eskel_metric metric = query->euclidean ? ESKEL_METRIC_EUCLIDEAN : ESKEL_METRIC_MANHATTAN;
 	esk_shape_unsort(other, level, esk_query_sorted(query, other, level, scratch), numbers, theirs);
 	*swapped = !comes_first(mine, theirs, numbers * level);
 	if (*swapped)
-		class_costs(query, level, theirs, mine, costs);
+		esk_class_costs(metric, numbers, level, theirs, mine, costs);
 	else
-		class_costs(query, level, mine, theirs, costs);
-	return esk_assignment_solve(level, costs, column_of_row);
+		esk_class_costs(metric, numbers, level, mine, theirs, costs);
+	return esk_assignment_solve_padded(level, costs, column_of_row);
 }
 
 double esk_query_level(const esk_query *query, const esk_shape *other, uint32_t level)
 {
-	float costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float costs[ESK_ASSIGNMENT_COSTS_MAX];
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
 	bool swapped;
 	double cost = solve_level(query, other, level, costs, column_of_row, &swapped);
@@ -213,7 +193,7 @@ eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *
 	eskel_status status = pair_init(&p, a, b, options);
 	if (status != ESKEL_OK)
 		return status;
-	float costs[ESKEL_LEVELS_MAX * ESKEL_LEVELS_MAX];
+	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float costs[ESK_ASSIGNMENT_COSTS_MAX];
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
 	bool swapped;
 	match->level = level;
@@ -221,7 +201,7 @@ eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *
 	for (uint32_t row = 0; row < level; row++) {
 		uint32_t column = column_of_row[row], mine = swapped ? column : row;
 		match->other[mine] = swapped ? row : column;
-		match->pair_cost[mine] = (double)costs[row * level + column];
+		match->pair_cost[mine] = (double)costs[row * esk_assignment_width(level) + column];
 	}
 	pair_clear(&p);
 	return ESKEL_OK;

@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "assignment.h"
+#include "assignment.c" /* for the widths that this processor would not choose */
 #include "synthetic.h"
 
 #include <math.h>
@@ -130,6 +130,34 @@ static void the_same_tied_costs_always_give_the_same_matching(void **state)
 	}
 }
 
+static void every_vector_width_finds_the_same_matching(void **state)
+{
+	(void)state;
+#if defined(__x86_64__)
+	if (!__builtin_cpu_supports("avx2")) {
+		print_message("this processor has no AVX2\n");
+		skip();
+	}
+	uint64_t random = 6;
+	float costs[most];
+	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float padded[ESK_ASSIGNMENT_COSTS_MAX];
+	uint32_t narrow[ESKEL_LEVELS_MAX], wide[ESKEL_LEVELS_MAX];
+	for (uint32_t n = 0; n < 40 * ESKEL_LEVELS_MAX; n++) {
+		const uint32_t k = 1 + n % ESKEL_LEVELS_MAX, width = esk_assignment_width(k);
+		fill(&random, (enum kind)(synthetic_random(&random) % KINDS), k, costs);
+		for (uint32_t i = 0; i < k; i++)
+			for (uint32_t j = 0; j < width; j++)
+				padded[i * width + j] = j < k ? costs[i * k + j] : INFINITY;
+		const double by_four = solve_by(solve_plain, k, padded, narrow);
+		const double by_eight = solve_by(solve_avx2, k, padded, wide);
+		if (by_four != by_eight || memcmp(narrow, wide, k * sizeof *narrow))
+			fail_msg("k = %u: %.17g by four lanes, %.17g by eight", k, by_four, by_eight);
+	}
+#else
+	skip();
+#endif
+}
+
 /* On a line the sorted matching is optimal; this is the bound of the exact search. */
 static void points_on_a_line_are_matched_at_the_cost_of_the_sorted_matching(void **state)
 {
@@ -151,6 +179,65 @@ static void points_on_a_line_are_matched_at_the_cost_of_the_sorted_matching(void
 		double found = esk_assignment_solve(k, costs, columns);
 		if (found != 0.25 * k)
 			fail_msg("k = %u: %.9g, expected %.9g", k, found, 0.25 * k);
+	}
+}
+
+/* Shortest augmenting paths as textbooks have them: rows and columns count from 1, in double. */
+static double least_by_textbook(uint32_t k, const float *costs)
+{
+	double u[ESKEL_LEVELS_MAX + 1] = {0}, v[ESKEL_LEVELS_MAX + 1] = {0}, sum = 0;
+	uint32_t row_of[ESKEL_LEVELS_MAX + 1] = {0}, before[ESKEL_LEVELS_MAX + 1] = {0};
+	for (uint32_t i = 1; i <= k; i++) {
+		double slack[ESKEL_LEVELS_MAX + 1];
+		bool used[ESKEL_LEVELS_MAX + 1] = {false};
+		for (uint32_t j = 0; j <= k; j++)
+			slack[j] = INFINITY;
+		uint32_t column = 0;
+		row_of[0] = i;
+		while (row_of[column] != 0) {
+			const uint32_t row = row_of[column];
+			uint32_t next = 0;
+			used[column] = true;
+			for (uint32_t j = 1; j <= k; j++) {
+				const double reduced = (double)costs[(row - 1) * k + j - 1] - u[row] - v[j];
+				if (!used[j] && reduced < slack[j]) {
+					slack[j] = reduced;
+					before[j] = column;
+				}
+				if (!used[j] && (next == 0 || slack[j] < slack[next]))
+					next = j;
+			}
+			const double step = slack[next];
+			for (uint32_t j = 0; j <= k; j++)
+				if (used[j]) {
+					u[row_of[j]] += step;
+					v[j] -= step;
+				} else {
+					slack[j] -= step;
+				}
+			column = next;
+		}
+		for (; column != 0; column = before[column])
+			row_of[column] = row_of[before[column]];
+	}
+	for (uint32_t j = 1; j <= k; j++)
+		sum += (double)costs[(row_of[j] - 1) * k + j - 1];
+	return sum;
+}
+
+static void all_sizes_cost_what_the_textbook_finds(void **state)
+{
+	(void)state;
+	uint64_t random = 7;
+	float costs[most];
+	uint32_t columns[ESKEL_LEVELS_MAX];
+	for (uint32_t n = 0; n < 40 * ESKEL_LEVELS_MAX; n++) {
+		const uint32_t k = 1 + n % ESKEL_LEVELS_MAX;
+		fill(&random, (enum kind)(synthetic_random(&random) % KINDS), k, costs);
+		const double found = esk_assignment_solve(k, costs, columns), least = least_by_textbook(k, costs);
+		assert_is_permutation(k, columns);
+		if (fabs(found - least) > 1e-6 * least)
+			fail_msg("k = %u: found %.9g, the textbook %.9g", k, found, least);
 	}
 }
 
@@ -203,6 +290,8 @@ int main(void)
 		cmocka_unit_test(equal_costs_give_a_permutation_at_their_sum),
 		cmocka_unit_test(the_same_tied_costs_always_give_the_same_matching),
 		cmocka_unit_test(points_on_a_line_are_matched_at_the_cost_of_the_sorted_matching),
+		cmocka_unit_test(every_vector_width_finds_the_same_matching),
+		cmocka_unit_test(all_sizes_cost_what_the_textbook_finds),
 		cmocka_unit_test(all_sizes_cost_what_scipy_finds),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

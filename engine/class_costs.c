@@ -1,0 +1,83 @@
+/* Costs of pairs of classes, by vectors of columns. Every cost is summed in one lane, number after number, so it does
+ * not depend on the width of the processor's vectors. */
+#include "class_costs.h"
+
+#include "assignment.h"
+#include "shape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LANES = 8 };
+typedef float floats __attribute__((vector_size(4 * LANES), may_alias));
+typedef int32_t integers __attribute__((vector_size(4 * LANES), may_alias));
+
+typedef struct {
+	uint32_t numbers, k, width;
+	const float *a;                                                   /* rows of k */
+	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float b[ESK_LEVEL_FLOATS_MAX]; /* rows of width */
+} pairs;
+
+/* Infinite numbers in the padding make infinite costs. */
+static void pad(pairs *p, const float *b)
+{
+	for (uint32_t c = 0; c < p->numbers; c++) {
+		float *row = p->b + c * p->width;
+		memcpy(row, b + c * p->k, p->k * sizeof *b);
+		for (uint32_t j = p->k; j < p->width; j++)
+			row[j] = INFINITY;
+	}
+}
+
+/* Sums of absolute differences, or of their squares. */
+__attribute__((always_inline)) static inline void add_up(const pairs *p, uint32_t numbers, bool squared, float *costs)
+{
+	for (uint32_t i = 0; i < p->k; i++)
+		for (uint32_t j = 0; j < p->width; j += LANES) {
+			floats sum = {0};
+			for (uint32_t c = 0; c < numbers; c++) {
+				floats term = p->a[c * p->k + i] - *(const floats *)&p->b[c * p->width + j];
+				if (squared)
+					term *= term;
+				else
+					term = (floats)((integers)term & INT32_MAX);
+				sum += term;
+			}
+			*(floats *)&costs[i * p->width + j] = sum;
+		}
+}
+
+/* The log signature with the Manhattan metric is what nearly all searches use, so its loop is worth unrolling. */
+__attribute__((always_inline)) static inline void add_up_any(const pairs *p, bool squared, float *costs)
+{
+	if (p->numbers == ESK_NUMBERS_MAX && !squared)
+		add_up(p, ESK_NUMBERS_MAX, false, costs);
+	else
+		add_up(p, p->numbers, squared, costs);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void add_up_avx2(const pairs *p, bool squared, float *costs)
+{
+	add_up_any(p, squared, costs);
+}
+#endif
+
+void esk_class_costs(eskel_metric metric, uint32_t numbers, uint32_t k, const float *a, const float *b, float *costs)
+{
+	const bool squared = metric == ESKEL_METRIC_EUCLIDEAN;
+	pairs p;
+	p.numbers = numbers;
+	p.k = k;
+	p.width = esk_assignment_width(k);
+	p.a = a;
+	pad(&p, b);
+#if defined(__x86_64__)
+	if (__builtin_cpu_supports("avx2"))
+		add_up_avx2(&p, squared, costs);
+	else
+#endif
+		add_up_any(&p, squared, costs);
+	for (uint32_t n = 0; squared && n < k * p.width; n++)
+		costs[n] = sqrtf(costs[n]);
+}
