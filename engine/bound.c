@@ -3,6 +3,14 @@
 #include <math.h>
 #include <string.h>
 
+/* Compiled for wide registers too, chosen at run time. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+	!defined(__SANITIZE_THREAD__)
+#define ESK_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define ESK_WIDE
+#endif
+
 /* Rounding must never lift a bound above the distance. A bound is a few hundred float operations on differences, each
  * wrong by at most 2^-24 of its result: 2^-13 of the bound covers them. The numbers that are subtracted carry
  * an error of their own, at most 2^-22 of themselves; where that matters the other's number is about as large as
@@ -38,22 +46,98 @@ void esk_bound_init(esk_bound *bound, const esk_query *query)
 {
 	const uint32_t numbers = esk_numbers(query->signature), levels = query->shape->level_count;
 	const float unit = has_unit(query) ? query->shape->scale : 1;
-	float means[ESK_SUMMED_LEVELS * ESK_NUMBERS_MAX];
+	const float bottom = esk_columns_codes(query->signature).origin;
 	double sums[ESK_NUMBERS_MAX] = {0};
 	*bound = (esk_bound){.query = query};
-	esk_shape_level_means(query->shape, query->signature, means);
 	for (uint32_t k = 1; k <= levels; k++)
 		bound->class_magnitudes[k - 1] = magnitude(query->rows[k - 1], numbers * k) / k;
 	for (uint32_t k = 1; k <= levels && k <= ESK_SUMMED_LEVELS; k++) {
-		float *level = bound->level_means + (k - 1) * numbers, *total = bound->total_means + (k - 1) * numbers;
-		for (uint32_t c = 0; c < numbers; c++) {
-			level[c] = means[(k - 1) * numbers + c] * unit;
-			sums[c] += (double)level[c];
-			total[c] = (float)(sums[c] / k);
+		float *halves = bound->halves + (k - 1) * 2 * numbers, *total = bound->total_means + (k - 1) * numbers;
+		esk_shape_halves(query->shape, query->signature, k, halves);
+		for (uint32_t h = 0; h < 2 * numbers; h++) {
+			halves[h] *= unit;
+			sums[h / 2] += (double)halves[h];
+			halves[h] = fmaxf(halves[h], bottom);
 		}
-		bound->level_magnitudes[k - 1] = magnitude(level, numbers);
+		for (uint32_t c = 0; c < numbers; c++)
+			total[c] = (float)(sums[c] / k);
+		bound->halves_magnitudes[k] = bound->halves_magnitudes[k - 1] + magnitude(halves, 2 * numbers);
 		bound->total_magnitudes[k - 1] = magnitude(total, numbers);
 	}
+}
+
+/* Rows of halves against the query's, in its units. Theirs stand for origin + code * step, and the query's are brought
+ * below top as theirs were (columns.h); from below it has been done before. */
+typedef struct {
+	float origin, step, top;
+} scaled_codes;
+
+static inline __attribute__((always_inline)) float halves_difference(
+	const scaled_codes *codes, const float *mine, const uint8_t *theirs)
+{
+	const float inside = *mine < codes->top ? *mine : codes->top;
+	return fabsf(inside - (codes->origin + (float)*theirs * codes->step));
+}
+
+/* In sixteen lanes: the same sum, and so the same shapes discarded, on any processor. */
+ESK_WIDE static float sum_of_halves(const scaled_codes *codes, const float *mine, const uint8_t *theirs, uint32_t count)
+{
+	float lanes[16] = {0};
+	uint32_t n = 0;
+	for (; n + 16 <= count; n += 16)
+		for (uint32_t lane = 0; lane < 16; lane++)
+			lanes[lane] += halves_difference(codes, mine + n + lane, theirs + n + lane);
+	for (uint32_t lane = 0; n < count; n++, lane++)
+		lanes[lane] += halves_difference(codes, mine + n, theirs + n);
+	for (uint32_t width = 8; width > 0; width /= 2)
+		for (uint32_t lane = 0; lane < width; lane++)
+			lanes[lane] += lanes[lane + width];
+	return lanes[0];
+}
+
+static float euclidean_halves(const scaled_codes *codes, const float *mine, const uint8_t *theirs, uint32_t numbers)
+{
+	float squares = 0;
+	for (uint32_t h = 0; h < 2 * numbers; h += 2) {
+		float difference = halves_difference(codes, mine + h, theirs + h) +
+				   halves_difference(codes, mine + h + 1, theirs + h + 1);
+		squares += difference * difference;
+	}
+	return sqrtf(squares);
+}
+
+/* The cost of levels first..last, per class, summed; less what rounding may have added. */
+static double halves_cost(
+	const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t first, uint32_t last)
+{
+	const esk_query *query = bound->query;
+	const uint32_t row = 2 * esk_numbers(query->signature), skipped = (first - 1) * row;
+	const esk_codes plain = esk_columns_codes(query->signature);
+	const float unit = has_unit(query) ? columns->scales[slot] : 1;
+	const scaled_codes codes = {plain.origin, plain.step * unit, plain.top * unit};
+	const float *mine = bound->halves + skipped;
+	const uint8_t *theirs = esk_columns_halves(columns, slot, query->signature) + skipped;
+	const uint32_t count = (last - first + 1) * row, most = count / 2;
+	double cost = 0;
+	if (!query->euclidean)
+		cost = (double)sum_of_halves(&codes, mine, theirs, count);
+	else
+		for (uint32_t n = 0; n < count; n += row)
+			cost += (double)euclidean_halves(&codes, mine + n, theirs + n, row / 2);
+	/* A rounding is at most half a step. */
+	const uint32_t slack = columns->slacks[query->signature][slot];
+	return cost - (double)(slack < most ? slack : most) * (double)codes.step;
+}
+
+/* Of the levels first..last that are among 1..16, together. */
+static double by_halves(
+	const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t first, uint32_t last, double each)
+{
+	if (last > ESK_SUMMED_LEVELS)
+		return 0;
+	const double cost = halves_cost(bound, columns, slot, first, last);
+	const double magnitudes = bound->halves_magnitudes[last] - bound->halves_magnitudes[first - 1];
+	return fmax(0, safe(each * cost, each * magnitudes));
 }
 
 /* sum |theirs[n] unit - mine[n]| in eight lanes: the same sum, and so the same shapes discarded, on any processor. */
@@ -69,40 +153,14 @@ static float sum_of_differences(const float *mine, const float *theirs, float un
 	return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
-static double euclidean_difference(const float *mine, const float *theirs, float unit, uint32_t numbers)
-{
-	float sum = 0;
-	for (uint32_t c = 0; c < numbers; c++)
-		sum += (theirs[c] * unit - mine[c]) * (theirs[c] * unit - mine[c]);
-	return (double)sqrtf(sum);
-}
-
-/* The difference of two rows of means in the query's metric, summed over rows. */
-static double mean_cost(const esk_query *query, const float *mine, const float *theirs, float unit, uint32_t rows)
-{
-	const uint32_t numbers = esk_numbers(query->signature);
-	if (!query->euclidean)
-		return (double)sum_of_differences(mine, theirs, unit, rows * numbers);
-	double cost = 0;
-	for (uint32_t row = 0; row < rows; row++)
-		cost += euclidean_difference(mine + row * numbers, theirs + row * numbers, unit, numbers);
-	return cost;
-}
-
-double esk_bound_by_means(const esk_bound *bound, const esk_columns *columns, uint32_t slot)
+double esk_bound_by_halves(const esk_bound *bound, const esk_columns *columns, uint32_t slot)
 {
 	const esk_query *query = bound->query;
-	const uint32_t depth = esk_query_depth_at(query, columns->level_counts[slot]);
-	const uint32_t first = query->summed ? 1 : depth, skipped = (first - 1) * esk_numbers(query->signature);
-	const float *theirs = esk_columns_level_means(columns, slot, query->signature);
-	const float unit = has_unit(query) ? columns->scales[slot] : 1;
-	double cost = 0, magnitudes = 0;
-	if (depth <= ESK_SUMMED_LEVELS)
-		cost = mean_cost(query, bound->level_means + skipped, theirs + skipped, unit, depth - first + 1);
-	for (uint32_t k = first; k <= depth && k <= ESK_SUMMED_LEVELS; k++)
-		magnitudes += bound->level_magnitudes[k - 1];
-	const double each = weight(query, depth) / (depth - first + 1);
-	return safe(each * cost + esk_query_size_term(query, columns->log_volumes[slot]), each * magnitudes);
+	const uint32_t depth = esk_query_depth_at(query, columns->level_counts[slot]),
+		       first = query->summed ? 1 : depth;
+	const double size = esk_query_size_term(query, columns->log_volumes[slot]);
+	return by_halves(bound, columns, slot, first, depth, weight(query, depth) / (depth - first + 1)) +
+	       safe(size, 0);
 }
 
 /* A shape's means over its levels 1..16 can be compared with the query's over the same levels only. */
@@ -124,7 +182,7 @@ static void scan_totals(const esk_bound *bound, const esk_columns *columns, uint
 		if (theirs == depth || (theirs > depth && depth == ESK_SUMMED_LEVELS))
 			bounds[slot] = (float)safe(each * cost + size, magnitudes);
 		else
-			bounds[slot] = (float)esk_bound_by_means(bound, columns, slot);
+			bounds[slot] = (float)esk_bound_by_halves(bound, columns, slot);
 	}
 }
 
@@ -134,7 +192,7 @@ void esk_bound_scan(const esk_bound *bound, const esk_columns *columns, uint32_t
 		scan_totals(bound, columns, count, bounds);
 	else
 		for (uint32_t slot = 0; slot < count; slot++)
-			bounds[slot] = (float)esk_bound_by_means(bound, columns, slot);
+			bounds[slot] = (float)esk_bound_by_halves(bound, columns, slot);
 }
 
 /* The least cost of a level if each number could choose its own bijection. */
@@ -156,20 +214,6 @@ double esk_bound_of_levels(const esk_query *query, const esk_shape *other, const
 	return safe(esk_query_combine(query, other, levels), 0);
 }
 
-/* Bounds of D_k by means, and by sorted numbers. */
-static double level_by_means(const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t k)
-{
-	const esk_query *query = bound->query;
-	const uint32_t skipped = (k - 1) * esk_numbers(query->signature);
-	if (k > ESK_SUMMED_LEVELS)
-		return 0;
-	const float *theirs = esk_columns_level_means(columns, slot, query->signature) + skipped;
-	const float unit = has_unit(query) ? columns->scales[slot] : 1;
-	const double each = weight(query, k);
-	return safe(each * mean_cost(query, bound->level_means + skipped, theirs, unit, 1),
-		each * bound->level_magnitudes[k - 1]);
-}
-
 static double level_by_sorting(const esk_bound *bound, const esk_shape *shape, uint32_t k)
 {
 	const esk_query *query = bound->query;
@@ -186,7 +230,7 @@ double esk_bound_by_sorting(const esk_bound *bound, const esk_columns *columns, 
 	const esk_query *query = bound->query;
 	const uint32_t depth = esk_query_depth(query, shape), first = query->summed ? 1 : depth;
 	for (uint32_t k = first; k <= depth; k++)
-		levels[k - 1] = level_by_means(bound, columns, slot, k);
+		levels[k - 1] = by_halves(bound, columns, slot, k, k, weight(query, k));
 	double lower = 0;
 	for (uint32_t k = first; k <= depth && lower <= enough; k++) {
 		levels[k - 1] = level_by_sorting(bound, shape, k);

@@ -7,15 +7,18 @@
 
 #include "key_index.h"
 #include "memory.h"
+#include "signature.h"
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct eskel_library {
 	pthread_mutex_t writing;
 	pthread_mutex_t *gate; /* apart, for readers of a const library */
 	esk_snapshot current;
 	esk_key_index index;
+	esk_arena arena;
 };
 
 void eskel_library_free(eskel_library *library)
@@ -24,6 +27,7 @@ void eskel_library_free(eskel_library *library)
 		return;
 	esk_directory_release(library->current.directory);
 	esk_key_index_clear(&library->index);
+	esk_arena_clear(&library->arena);
 	pthread_mutex_destroy(library->gate);
 	pthread_mutex_destroy(&library->writing);
 	free(library->gate);
@@ -91,7 +95,7 @@ static eskel_status make_room(eskel_library *library)
 		return ESKEL_OK;
 	if (old->chunk_count == UINT32_MAX / ESK_CHUNK_SLOTS)
 		return ESKEL_TOO_LARGE;
-	eskel_status status = esk_chunk_new(ESK_CHUNK_SLOTS, &chunk);
+	eskel_status status = esk_chunk_new(ESK_CHUNK_SLOTS, &library->arena, &chunk);
 	if (status == ESKEL_OK)
 		status = esk_directory_new(old->chunk_count + 1, &directory);
 	if (status != ESKEL_OK) {
@@ -108,23 +112,32 @@ static eskel_status make_room(eskel_library *library)
 	return ESKEL_OK;
 }
 
+static void put(esk_chunk *chunk, int64_t key, esk_shape *shape)
+{
+	esk_columns_put(&chunk->columns, chunk->count, shape);
+	chunk->shapes[chunk->count] = shape;
+	chunk->keys[chunk->count++] = key;
+}
+
 static eskel_status add(eskel_library *library, int64_t key, const eskel_signature *signature)
 {
+	eskel_status status = esk_signature_check(signature, NULL);
+	if (status != ESKEL_OK)
+		return status;
 	if (esk_key_index_find(&library->index, key))
 		return ESKEL_INVALID;
 	if (!esk_key_index_reserve(&library->index))
 		return ESKEL_NO_MEMORY;
-	eskel_status status = make_room(library);
+	status = make_room(library);
 	if (status != ESKEL_OK)
 		return status;
+	esk_shape *shape = esk_arena_take(&library->arena, esk_shape_size(signature->level_count));
+	if (!shape)
+		return ESKEL_NO_MEMORY;
+	esk_shape_write(signature, shape);
 	esk_chunk *chunk = last_chunk(library);
 	const uint32_t slot = chunk->count;
-	status = esk_shape_new(signature, &chunk->shapes[slot]);
-	if (status != ESKEL_OK)
-		return status;
-	esk_columns_put(&chunk->columns, slot, chunk->shapes[slot]);
-	chunk->keys[slot] = key;
-	chunk->count++;
+	put(chunk, key, shape);
 	esk_key_index_insert(&library->index, (esk_key_place){key, chunk, slot});
 	esk_snapshot snapshot = library->current;
 	snapshot.last_count = chunk->count;
@@ -141,8 +154,9 @@ eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_
 	return status;
 }
 
-/* The shapes that are left, in a chunk that has no room for others; NULL if none is. */
-static eskel_status copy_survivors(const esk_chunk *chunk, esk_chunk **copy)
+/* The shapes that are left, in a chunk that has no room for others and does not keep the arena's older pieces; NULL if
+ * none is left. */
+static eskel_status copy_survivors(const esk_chunk *chunk, esk_arena *arena, esk_chunk **copy)
 {
 	const uint32_t removed = atomic_load_explicit(&chunk->removed_count, memory_order_relaxed);
 	esk_chunk *made = NULL;
@@ -150,15 +164,20 @@ static eskel_status copy_survivors(const esk_chunk *chunk, esk_chunk **copy)
 		*copy = NULL;
 		return ESKEL_OK;
 	}
-	eskel_status status = esk_chunk_new(chunk->count - removed, &made);
-	if (status != ESKEL_OK)
-		return status;
-	for (uint32_t slot = 0; slot < chunk->count; slot++) {
+	eskel_status status = esk_chunk_new(chunk->count - removed, arena, &made);
+	for (uint32_t slot = 0; status == ESKEL_OK && slot < chunk->count; slot++) {
 		if (atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) != ESK_NEVER)
 			continue;
-		made->shapes[made->count] = esk_shape_hold(chunk->shapes[slot]);
-		esk_columns_put(&made->columns, made->count, chunk->shapes[slot]);
-		made->keys[made->count++] = chunk->keys[slot];
+		const size_t size = esk_shape_size(chunk->shapes[slot]->level_count);
+		esk_shape *shape = esk_arena_take(arena, size);
+		if (shape)
+			put(made, chunk->keys[slot], memcpy(shape, chunk->shapes[slot], size));
+		else
+			status = ESKEL_NO_MEMORY;
+	}
+	if (status != ESKEL_OK) {
+		esk_chunk_free(made);
+		return status;
 	}
 	*copy = made;
 	return ESKEL_OK;
@@ -189,7 +208,7 @@ static void compact(eskel_library *library, esk_chunk *chunk)
 	if (chunk->count < chunk->capacity ||
 		2 * atomic_load_explicit(&chunk->removed_count, memory_order_relaxed) < chunk->count)
 		return;
-	if (copy_survivors(chunk, &copy) != ESKEL_OK)
+	if (copy_survivors(chunk, &library->arena, &copy) != ESKEL_OK)
 		return;
 	if (replace_chunk(library->current.directory, chunk, copy, &directory) != ESKEL_OK) {
 		esk_chunk_free(copy);

@@ -2,8 +2,8 @@
  *
  * It walks coarse to fine like the paper's, but a shape is discarded only when a lower bound of its distance (bound.h)
  * exceeds the distance of the last shape in the answer so far. To have an answer from the start, the shapes that look
- * nearest are compared first. Then three steps apply ever tighter bounds: means over all levels, means of each level,
- * sorted numbers. What is left is matched level by level, nearest bound first, each level's distance taking the place
+ * nearest are compared first. Then three steps apply ever tighter bounds: means over all levels, halves of each
+ * level, sorted numbers. What is left is matched level by level, nearest bound first, each level's distance taking the place
  * of its bound, until the shape is discarded or its distance known.
  *
  * Where bound and answer are equal a shape stays in: ties are decided by key. */
@@ -37,10 +37,10 @@ static double threshold(const walk *w)
 	return esk_nearest_threshold(&w->search->answer);
 }
 
-static double bound_by_means(const walk *w, uint32_t id)
+static double bound_by_halves(const walk *w, uint32_t id)
 {
 	const esk_chunk *chunk = w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
-	return esk_bound_by_means(&w->bound, &chunk->columns, id % ESK_CHUNK_SLOTS);
+	return esk_bound_by_halves(&w->bound, &chunk->columns, id % ESK_CHUNK_SLOTS);
 }
 
 static double bound_by_sorting(const walk *w, uint32_t id, double enough, double *levels)
@@ -114,12 +114,12 @@ static bool list_candidates(walk *w)
 	return true;
 }
 
-static void discard_by_means(walk *w)
+static void discard_by_halves(walk *w)
 {
 	size_t kept = 0;
 	for (size_t n = 0; n < w->count; n++) {
 		candidate c = w->candidates[n];
-		c.bound = bound_by_means(w, c.id);
+		c.bound = bound_by_halves(w, c.id);
 		if (c.bound <= threshold(w))
 			w->candidates[kept++] = c;
 	}
@@ -187,7 +187,7 @@ eskel_status esk_search_exact(esk_search *search)
 	compare_seeds(&w, &seeds);
 	if (!list_candidates(&w))
 		goto cleanup;
-	discard_by_means(&w);
+	discard_by_halves(&w);
 	discard_by_sorting(&w);
 	match_candidates(&w);
 	search->result->proven = true;

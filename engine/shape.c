@@ -42,19 +42,21 @@ void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorte
 			rows[c * level + i] = sorted[c * level + get_rank(shape->ranks, n++)];
 }
 
-/* Sorts one row and notes where each class went; of equal numbers the lower class goes first. */
-static void put_row(esk_shape *shape, size_t first, const float *numbers, uint32_t k)
+/* Sorts one row and notes where each class went: a class's rank is how many go before it; of equal numbers the lower class
+ * goes first. Counting compares every pair, but without a branch. */
+static void put_row(float *row, uint8_t *ranks, size_t first, const float *numbers, uint32_t k)
 {
-	uint32_t class_of[ESKEL_LEVELS_MAX];
-	for (uint32_t i = 0; i < k; i++) {
-		uint32_t at = i;
-		for (; at > 0 && numbers[class_of[at - 1]] > numbers[i]; at--)
-			class_of[at] = class_of[at - 1];
-		class_of[at] = i;
+	uint32_t rank_of[ESKEL_LEVELS_MAX] = {0};
+	for (uint32_t j = 0; j < k; j++) {
+		const float number = numbers[j];
+		for (uint32_t i = 0; i < j; i++)
+			rank_of[i] += number < numbers[i];
+		for (uint32_t i = j; i < k; i++)
+			rank_of[i] += number <= numbers[i];
 	}
-	for (uint32_t rank = 0; rank < k; rank++) {
-		shape->numbers[first + rank] = numbers[class_of[rank]];
-		put_rank(shape->ranks, first + class_of[rank], rank);
+	for (uint32_t i = 0; i < k; i++) {
+		row[rank_of[i] - 1] = numbers[i];
+		put_rank(ranks, first + i, rank_of[i] - 1);
 	}
 }
 
@@ -68,8 +70,32 @@ static void put_level(esk_shape *shape, const eskel_signature *signature, double
 			double number = c < ESK_PAPER_NUMBERS ? rows[i][c] / unit : rows[i][c];
 			numbers[i] = (float)esk_elementary_log(number + offset);
 		}
-		put_row(shape, at, numbers, k);
+		put_row((float *)(void *)shape + shape->numbers + at, shape->ranks, at, numbers, k);
 	}
+}
+
+/* In floats. */
+static size_t size_before_numbers(uint32_t level_count)
+{
+	const size_t ranks = rank_bytes(ESK_NUMBERS_MAX * ESKEL_NODES(level_count));
+	return (sizeof(esk_shape) + ranks + sizeof(float) - 1) / sizeof(float);
+}
+
+size_t esk_shape_size(uint32_t level_count)
+{
+	return (size_before_numbers(level_count) + ESK_NUMBERS_MAX * ESKEL_NODES(level_count)) * sizeof(float);
+}
+
+void esk_shape_write(const eskel_signature *signature, esk_shape *shape)
+{
+	const double unit = esk_elementary_cbrt(signature->volume);
+	memset(shape->ranks, 0, rank_bytes(ESK_NUMBERS_MAX * ESKEL_NODES(signature->level_count)));
+	shape->level_count = signature->level_count;
+	shape->log_volume = (float)esk_elementary_log(signature->volume);
+	shape->scale = (float)unit;
+	shape->numbers = (uint32_t)size_before_numbers(signature->level_count);
+	for (uint32_t k = 1; k <= signature->level_count; k++)
+		put_level(shape, signature, unit, k);
 }
 
 eskel_status esk_shape_new(const eskel_signature *signature, esk_shape **shape)
@@ -77,33 +103,17 @@ eskel_status esk_shape_new(const eskel_signature *signature, esk_shape **shape)
 	eskel_status status = esk_signature_check(signature, NULL);
 	if (status != ESKEL_OK)
 		return status;
-	const size_t floats = ESK_NUMBERS_MAX * ESKEL_NODES(signature->level_count);
-	const size_t before = (sizeof(esk_shape) + rank_bytes(floats) + sizeof(float) - 1) / sizeof(float);
-	esk_shape *made = esk_memory_zeroed_array(before + floats, sizeof(float));
+	esk_shape *made = esk_memory_array(1, esk_shape_size(signature->level_count));
 	if (!made)
 		return ESKEL_NO_MEMORY;
-	const double unit = esk_elementary_cbrt(signature->volume);
-	atomic_init(&made->references, 1);
-	made->level_count = signature->level_count;
-	made->log_volume = (float)esk_elementary_log(signature->volume);
-	made->scale = (float)unit;
-	made->numbers = (float *)made + before;
-	for (uint32_t k = 1; k <= signature->level_count; k++)
-		put_level(made, signature, unit, k);
+	esk_shape_write(signature, made);
 	*shape = made;
 	return ESKEL_OK;
 }
 
-esk_shape *esk_shape_hold(esk_shape *shape)
-{
-	atomic_fetch_add_explicit(&shape->references, 1, memory_order_relaxed);
-	return shape;
-}
-
 void esk_shape_release(esk_shape *shape)
 {
-	if (shape && atomic_fetch_sub_explicit(&shape->references, 1, memory_order_acq_rel) == 1)
-		free(shape);
+	free(shape);
 }
 
 void esk_shape_lengths(const float *features, size_t count, float unit, float *lengths)
@@ -115,22 +125,22 @@ void esk_shape_lengths(const float *features, size_t count, float unit, float *l
 	}
 }
 
-void esk_shape_level_means(const esk_shape *shape, eskel_signature_kind kind, float *means)
+void esk_shape_halves(const esk_shape *shape, eskel_signature_kind kind, uint32_t level, float *halves)
 {
-	const uint32_t numbers = esk_numbers(kind);
-	memset(means, 0, ESK_SUMMED_LEVELS * numbers * sizeof *means);
-	for (uint32_t k = 1; k <= shape->level_count && k <= ESK_SUMMED_LEVELS; k++) {
-		const float *rows = esk_shape_sorted(shape, k);
-		float lengths[ESK_PAPER_NUMBERS * ESK_SUMMED_LEVELS];
-		if (kind == ESKEL_SIGNATURE_PAPER) {
-			esk_shape_lengths(rows, (size_t)numbers * k, 1, lengths);
-			rows = lengths;
+	const float *rows = esk_shape_sorted(shape, level);
+	float lengths[ESK_PAPER_NUMBERS * ESKEL_LEVELS_MAX];
+	if (kind == ESKEL_SIGNATURE_PAPER) {
+		esk_shape_lengths(rows, (size_t)ESK_PAPER_NUMBERS * level, 1, lengths);
+		rows = lengths;
+	}
+	for (uint32_t c = 0; c < esk_numbers(kind); c++, rows += level) {
+		const double middle = level % 2 ? (double)rows[level / 2] / 2 : 0;
+		double lower = middle, upper = middle;
+		for (uint32_t i = 0; i < level / 2; i++) {
+			lower += (double)rows[i];
+			upper += (double)rows[level - 1 - i];
 		}
-		for (uint32_t c = 0; c < numbers; c++) {
-			double sum = 0;
-			for (uint32_t i = 0; i < k; i++)
-				sum += (double)rows[c * k + i];
-			*means++ = (float)(sum / k);
-		}
+		*halves++ = (float)(lower / level);
+		*halves++ = (float)(upper / level);
 	}
 }

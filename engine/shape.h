@@ -9,13 +9,11 @@
  * which must put the classes together again.
  *
  * All of a shape lies in one piece, deepest level last: after a scan of the columns (columns.h) a search
- * reads most of a few shapes, not a little of many. A shape never changes; its holders count themselves. */
+ * reads most of a few shapes, not a little of many. A shape never changes. */
 #ifndef ESK_SHAPE_H
 #define ESK_SHAPE_H
 
 #include "eskel.h"
-
-#include <stdatomic.h>
 
 enum {
 	ESK_NUMBERS_MAX = ESKEL_SIGNATURE_NUMBERS,
@@ -30,24 +28,28 @@ static inline uint32_t esk_numbers(eskel_signature_kind kind)
 	return kind == ESKEL_SIGNATURE_PAPER ? ESK_PAPER_NUMBERS : ESKEL_SIGNATURE_NUMBERS;
 }
 
+/* After the ranks, packed (shape.c), come the numbers of levels 1, 2, .. */
 typedef struct {
-	atomic_uint references;
 	uint32_t level_count;
 	float log_volume; /* ln V */
 	float scale;      /* V^(1/3), mm */
-	float *numbers;   /* levels 1, 2, ..; in the same piece of memory, after the ranks */
-	uint8_t ranks[];  /* packed (shape.c) */
+	uint32_t numbers; /* where they begin, counted in floats from the beginning of the shape */
+	uint8_t ranks[];
 } esk_shape;
 
-/* With one reference. ESKEL_INVALID when the signature is (signature.h). */
+/* ESKEL_INVALID when the signature is (signature.h). */
 eskel_status esk_shape_new(const eskel_signature *signature, esk_shape **shape);
-esk_shape *esk_shape_hold(esk_shape *shape);
 void esk_shape_release(esk_shape *shape);
+
+/* Of a shape with so many levels, in bytes. */
+size_t esk_shape_size(uint32_t level_count);
+/* Writes the shape of a valid signature to memory of its size. */
+void esk_shape_write(const eskel_signature *signature, esk_shape *shape);
 
 /* The 5 sorted rows of k features of a level that the shape has. */
 static inline const float *esk_shape_sorted(const esk_shape *shape, uint32_t level)
 {
-	return shape->numbers + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1);
+	return (const float *)(const void *)shape + shape->numbers + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1);
 }
 
 /* Puts the first rows of a level, sorted alike, into the order of classes. */
@@ -56,8 +58,8 @@ void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorte
 /* lengths[n] = (exp features[n] - 0.02) unit; a length of 0 stays 0. */
 void esk_shape_lengths(const float *features, size_t count, float unit, float *lengths);
 
-/* For each of the levels 1..16 that the shape has, the means of the size-free numbers over the classes of the level:
- * rows of esk_numbers(kind), and zeros for the other levels. */
-void esk_shape_level_means(const esk_shape *shape, eskel_signature_kind kind, float *means);
+/* The halves of a level: for each size-free number of its k classes, in ascending order, the sum of the lower half of them and
+ * the sum of the upper half, both divided by k; of an odd number the middle one counts half in each. */
+void esk_shape_halves(const esk_shape *shape, eskel_signature_kind kind, uint32_t level, float *halves);
 
 #endif

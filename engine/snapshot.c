@@ -10,17 +10,17 @@ void esk_chunk_free(esk_chunk *chunk)
 	if (!chunk)
 		return;
 	for (uint32_t slot = 0; slot < chunk->count; slot++)
-		esk_shape_release(chunk->shapes[slot]);
+		esk_arena_give_back(chunk->shapes[slot]);
 	esk_columns_clear(&chunk->columns);
 	free(chunk);
 }
 
-eskel_status esk_chunk_new(uint32_t capacity, esk_chunk **chunk)
+eskel_status esk_chunk_new(uint32_t capacity, esk_arena *arena, esk_chunk **chunk)
 {
 	esk_chunk *made = esk_memory_zeroed_array(1, sizeof *made);
 	if (!made)
 		return ESKEL_NO_MEMORY;
-	eskel_status status = esk_columns_init(&made->columns, capacity);
+	eskel_status status = esk_columns_init(&made->columns, capacity, arena);
 	if (status != ESKEL_OK) {
 		free(made);
 		return status;

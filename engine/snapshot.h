@@ -14,7 +14,7 @@
 #include <stdatomic.h>
 
 /* The columns that a scan sums over fit the first-level cache. */
-enum { ESK_CHUNK_SLOTS = 256, ESK_CHUNK_WORDS = ESK_CHUNK_SLOTS / 64 };
+enum { ESK_CHUNK_SLOTS = 512, ESK_CHUNK_WORDS = ESK_CHUNK_SLOTS / 64 };
 
 #define ESK_NEVER UINT64_MAX
 
@@ -42,7 +42,8 @@ typedef struct {
 	size_t shape_count;
 } esk_snapshot;
 
-eskel_status esk_chunk_new(uint32_t capacity, esk_chunk **chunk);
+/* Its columns lie in the arena. */
+eskel_status esk_chunk_new(uint32_t capacity, esk_arena *arena, esk_chunk **chunk);
 /* For a chunk that no directory lists. */
 void esk_chunk_free(esk_chunk *chunk);
 

@@ -23,6 +23,7 @@ static eskel_distance_options combination(int n)
 typedef struct {
 	esk_shape *shapes[shapes];
 	esk_columns columns;
+	esk_arena arena;
 } shelf;
 
 static void put(shelf *s, uint32_t slot, eskel_signature *signature)
@@ -37,6 +38,7 @@ static void clear(shelf *s)
 	for (int n = 0; n < shapes; n++)
 		esk_shape_release(s->shapes[n]);
 	esk_columns_clear(&s->columns);
+	esk_arena_clear(&s->arena);
 }
 
 static void assert_no_more(double bound, double distance, const char *name, int options, uint32_t a, uint32_t b)
@@ -64,7 +66,7 @@ static double check_pairs(const shelf *s, int options)
 			double sorted =
 				esk_bound_by_sorting(&bound, &s->columns, b, s->shapes[b], (double)INFINITY, bounds);
 			assert_no_more((double)scanned[b], distance, "scan", options, a, b);
-			assert_no_more(esk_bound_by_means(&bound, &s->columns, b), distance, "means", options, a, b);
+			assert_no_more(esk_bound_by_halves(&bound, &s->columns, b), distance, "halves", options, a, b);
 			assert_no_more(sorted, distance, "sorting", options, a, b);
 			assert_no_more(
 				esk_bound_of_levels(&query, s->shapes[b], levels), distance, "levels", options, a, b);
@@ -81,8 +83,8 @@ static double check_pairs(const shelf *s, int options)
 static void bounds_of_unlike_shapes_are_never_above_the_distance(void **state)
 {
 	(void)state;
-	shelf s;
-	assert_int_equal(esk_columns_init(&s.columns, shapes), ESKEL_OK);
+	shelf s = {0};
+	assert_int_equal(esk_columns_init(&s.columns, shapes, &s.arena), ESKEL_OK);
 	for (uint32_t n = 0; n < shapes; n++)
 		put(&s, n, synthetic_signature(n % 12, n, 0.2, n % 3 ? 16 : 1 + n % 20));
 	for (int o = 0; o < combinations; o++) {
@@ -98,8 +100,8 @@ static void bounds_of_unlike_shapes_are_never_above_the_distance(void **state)
 static void bounds_of_nearly_equal_shapes_are_never_above_the_distance(void **state)
 {
 	(void)state;
-	shelf s;
-	assert_int_equal(esk_columns_init(&s.columns, shapes), ESKEL_OK);
+	shelf s = {0};
+	assert_int_equal(esk_columns_init(&s.columns, shapes, &s.arena), ESKEL_OK);
 	for (uint32_t n = 0; n < shapes; n++) {
 		eskel_signature *signature = synthetic_signature(2, 1, 0, 16);
 		for (size_t row = 0; row < ESKEL_NODES(16); row++)
