@@ -1,9 +1,8 @@
 #include "natural_frame.h"
 
 #include <math.h>
-#include <string.h>
 
-enum { COLUMNS = ESK_PLACED_CLASSES_MAX, ROOT = 3 /* the row where the square root of the covariance starts */ };
+enum { ROOT = 3 /* the row where the square root of the covariance starts */ };
 
 static const double sqrt2 = 1.4142135623730951;
 
@@ -50,43 +49,38 @@ void esk_natural_frame_place(const eskel_skeleton *skeleton, uint32_t level, esk
 }
 
 /* The action of q on the six coordinates of a symmetric matrix, S to q S q^T, is an orthogonal 6x6 matrix too. */
-static void act_on_roots(const double q[3][3], double action[6][6])
+static inline void act_on_roots(const esk_lanes q[3][3], esk_lanes action[6][6])
 {
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 3; c++) {
 			int s = (r + 1) % 3, t = (r + 2) % 3, d = (c + 1) % 3, e = (c + 2) % 3;
-			action[r][c] = q[r][c] * q[r][c];
-			action[r][3 + c] = sqrt2 * (q[r][d] * q[r][e]);
-			action[3 + r][c] = sqrt2 * (q[s][c] * q[t][c]);
-			action[3 + r][3 + c] = q[s][d] * q[t][e] + q[s][e] * q[t][d];
+			ESK_EACH_LANE (l) {
+				action[r][c][l] = q[r][c][l] * q[r][c][l];
+				action[r][3 + c][l] = sqrt2 * (q[r][d][l] * q[r][e][l]);
+				action[3 + r][c][l] = sqrt2 * (q[s][c][l] * q[t][c][l]);
+				action[3 + r][3 + c][l] = q[s][d][l] * q[t][e][l] + q[s][e][l] * q[t][d][l];
+			}
 		}
 }
 
-static void move_centres(const double q[3][3], double (*at)[COLUMNS])
+ESK_EVERY_WIDTH void esk_placed_pose(
+	const esk_placed_level *placed, const esk_lanes orthogonal[3][3], esk_posed_level *posed)
 {
-	for (int j = 0; j < COLUMNS; j++) {
-		double x = at[0][j], y = at[1][j], z = at[2][j];
+	esk_lanes action[6][6];
+	act_on_roots(orthogonal, action);
+	posed->count = placed->count;
+	for (uint32_t j = 0; j < placed->count; j++) {
+		double v[ESK_PLACED_COORDINATES];
+		for (int c = 0; c < ESK_PLACED_COORDINATES; c++)
+			v[c] = placed->at[c][j];
 		for (int r = 0; r < 3; r++)
-			at[r][j] = q[r][0] * x + q[r][1] * y + q[r][2] * z;
+			ESK_EACH_LANE (l)
+				posed->at[r][j][l] = orthogonal[r][0][l] * v[0] + orthogonal[r][1][l] * v[1] +
+						     orthogonal[r][2][l] * v[2];
+		for (int r = 0; r < 6; r++)
+			ESK_EACH_LANE (l)
+				posed->at[ROOT + r][j][l] = action[r][0][l] * v[3] + action[r][1][l] * v[4] +
+							    action[r][2][l] * v[5] + action[r][3][l] * v[6] +
+							    action[r][4][l] * v[7] + action[r][5][l] * v[8];
 	}
-}
-
-static void move_roots(const double q[3][3], double (*at)[COLUMNS])
-{
-	double action[6][6], out[6][COLUMNS];
-	act_on_roots(q, action);
-	for (int r = 0; r < 6; r++)
-		for (int j = 0; j < COLUMNS; j++) {
-			double sum = 0;
-			for (int c = 0; c < 6; c++)
-				sum += action[r][c] * at[c][j];
-			out[r][j] = sum;
-		}
-	memcpy(at, out, sizeof out);
-}
-
-void esk_placed_move(const double orthogonal[3][3], esk_placed_level *placed)
-{
-	move_centres(orthogonal, &placed->at[0]);
-	move_roots(orthogonal, &placed->at[ROOT]);
 }

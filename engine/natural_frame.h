@@ -3,6 +3,7 @@
 #define ESK_NATURAL_FRAME_H
 
 #include "eskel.h"
+#include "lanes.h"
 
 /* Every class is an ellipsoid, and that is nine coordinates: the centre x, y, z and the square root of the covariance,
  * xx, yy, zz, and sqrt(2) times yz, zx, xy. The Euclidean distance of two such points,
@@ -11,8 +12,7 @@
  * if their axes are parallel, and somewhat more if not. */
 enum { ESK_PLACED_COORDINATES = 9, ESK_PLACED_CLASSES_MAX = 16 };
 
-/* One level of a shape of volume 1 whose centre is the origin. Stored by coordinate, so that loops over all columns,
- * used or not, become vector code; unused columns are 0. */
+/* One level of a shape of volume 1 whose centre is the origin. */
 typedef struct {
 	uint32_t count;
 	double at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX];
@@ -23,7 +23,13 @@ typedef struct {
  * differ from it by a signed permutation of the axes. */
 void esk_natural_frame_place(const eskel_skeleton *skeleton, uint32_t level, esk_placed_level *placed);
 
-/* Moves by an orthogonal matrix. */
-void esk_placed_move(const double orthogonal[3][3], esk_placed_level *placed);
+/* A level in eight poses at once. */
+typedef struct {
+	uint32_t count;
+	esk_lanes at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX]; /* those of count classes are set */
+} esk_posed_level;
+
+/* Moves by an orthogonal matrix a lane. */
+void esk_placed_pose(const esk_placed_level *placed, const esk_lanes orthogonal[3][3], esk_posed_level *posed);
 
 #endif

@@ -11,6 +11,9 @@
  * each hand the least cost counts, at every level by itself: partitions of like shapes differ from level to level, and
  * independent errors average out.
  *
+ * Eight poses of b are compared at once, one a lane. Most starts of a level are soon found to be hopeless or to go the
+ * way of another one, so the poses that are left close ranks after every turn.
+ *
  * The cost is the mean distance from a class to the nearest one of the other shape, over all matter of both shapes:
  * roughly how far the matter of one has to go to become the other. Nothing in it is tuned. The bijection of least cost in
  * place of the nearest class is slower and no better: where two partitions of one shape differ it has to give some class
@@ -25,24 +28,39 @@
 #include <string.h>
 
 enum {
+	HANDS = 2,
 	FRAMES = 24, /* of each hand */
 	/* Starts of each hand that are followed, chosen by their cost before any turn at one level, deep enough to show
 	 * the shape. Of 505 pairs of bones and brain regions 2 get another verdict than by all 24 starts, 5 with 4
-	 * starts; time grows in proportion. */
+	 * starts. */
 	STARTS = 8,
 	START_LEVEL = 8,
 	TURNS = 4, /* most starts settle after two or three */
-	COLUMNS = ESK_PLACED_CLASSES_MAX,
+	POSES_MAX = HANDS * FRAMES,
+	CLASSES = ESK_PLACED_CLASSES_MAX,
 };
 
-/* For each class of a level, the nearest class of the other shape, and the square of its distance. */
+/* A pose is given up when it costs this many times the best of its hand. No verdict of the 505 changes from 1.6 on, nor
+ * the sign of any score that is wrong or right by a hair from 2.5 on. */
+static const double hopeless = 2.5;
+/* Costs of like poses differ by rounding; those of others do not agree to so many digits. */
+static const double alike = 1e-9;
+
+/* Pose p is lane p % ESK_LANES of group p / ESK_LANES. */
 typedef struct {
-	int64_t index[COLUMNS]; /* as wide as a double: both go through the same vector code */
-	double square[COLUMNS];
+	int count;
+	int hand[POSES_MAX];
+	double cost[POSES_MAX]; /* as last compared; 0 before */
+	esk_lanes orthogonal[POSES_MAX / ESK_LANES][3][3];
+} pose_set;
+
+/* Of a class, the square of the distance to the nearest class of the other shape, and the centre of that. */
+typedef struct {
+	esk_lanes square, centre[3];
 } nearest;
 
 typedef struct {
-	nearest of_a, of_b;
+	nearest of_a[CLASSES], of_b[CLASSES];
 } pairing;
 
 /* Frame f of FRAMES of a hand: cyclic or transposed order of the axes, and signs that make the determinant's sign. */
@@ -58,137 +76,193 @@ static void make_frame(int f, bool proper, double frame[3][3])
 		frame[r][order[permutation][r]] = sign[r];
 }
 
-/* Squared distances of class i of a to every class of b. */
-static void square_distances(const esk_placed_level *a, uint32_t i, const esk_placed_level *b, double square[COLUMNS])
+static void init_poses(pose_set *poses)
 {
-	memset(square, 0, COLUMNS * sizeof square[0]);
-	for (int c = 0; c < ESK_PLACED_COORDINATES; c++) {
-		double from = a->at[c][i];
-		for (int j = 0; j < COLUMNS; j++) {
-			double d = b->at[c][j] - from;
-			square[j] += d * d;
+	*poses = (pose_set){0};
+	for (int hand = 0; hand < HANDS; hand++)
+		for (int f = 0; f < FRAMES; f++) {
+			double frame[3][3];
+			int p = poses->count++;
+			make_frame(f, hand == 0, frame);
+			poses->hand[p] = hand;
+			for (int e = 0; e < 9; e++)
+				poses->orthogonal[p / ESK_LANES][e / 3][e % 3][p % ESK_LANES] = frame[e / 3][e % 3];
 		}
-	}
+}
+
+/* Appends pose p of some poses. Both may be the same ones when no more than p are kept so far. */
+static void keep_pose(const pose_set *from, int p, pose_set *to)
+{
+	int q = to->count++;
+	to->hand[q] = from->hand[p];
+	to->cost[q] = from->cost[p];
+	for (int e = 0; e < 9; e++)
+		to->orthogonal[q / ESK_LANES][e / 3][e % 3][q % ESK_LANES] =
+			from->orthogonal[p / ESK_LANES][e / 3][e % 3][p % ESK_LANES];
 }
 
 /* The first of equals. */
-static void find_nearest(const esk_placed_level *a, const esk_placed_level *b, pairing *pairs)
+static inline void offer(double square, double x, double y, double z, int l, nearest *n)
 {
-	nearest *of_a = &pairs->of_a, *of_b = &pairs->of_b;
-	for (int j = 0; j < COLUMNS; j++) {
-		of_b->index[j] = 0;
-		of_b->square[j] = INFINITY;
-	}
+	bool less = square < n->square[l];
+	n->square[l] = less ? square : n->square[l];
+	n->centre[0][l] = less ? x : n->centre[0][l];
+	n->centre[1][l] = less ? y : n->centre[1][l];
+	n->centre[2][l] = less ? z : n->centre[2][l];
+}
+
+ESK_EVERY_WIDTH static void find_nearest(const esk_placed_level *a, const esk_posed_level *b, pairing *pairs)
+{
+	for (uint32_t i = 0; i < a->count; i++)
+		ESK_EACH_LANE (l)
+			pairs->of_a[i].square[l] = pairs->of_b[i].square[l] = INFINITY;
 	for (uint32_t i = 0; i < a->count; i++) {
-		double square[COLUMNS];
-		square_distances(a, i, b, square);
-		for (int j = 0; j < COLUMNS; j++) {
-			bool less = square[j] < of_b->square[j];
-			of_b->index[j] = less ? (int64_t)i : of_b->index[j];
-			of_b->square[j] = less ? square[j] : of_b->square[j];
+		nearest of_a = pairs->of_a[i];
+		for (uint32_t j = 0; j < b->count; j++) {
+			nearest *of_b = &pairs->of_b[j];
+			ESK_EACH_LANE (l) {
+				double square = 0;
+				for (int c = 0; c < ESK_PLACED_COORDINATES; c++) {
+					double d = b->at[c][j][l] - a->at[c][i];
+					square += d * d;
+				}
+				offer(square, b->at[0][j][l], b->at[1][j][l], b->at[2][j][l], l, &of_a);
+				offer(square, a->at[0][i], a->at[1][i], a->at[2][i], l, of_b);
+			}
 		}
-		uint32_t best = 0;
-		for (uint32_t j = 1; j < b->count; j++)
-			if (square[j] < square[best])
-				best = j;
-		of_a->index[i] = best;
-		of_a->square[i] = square[best];
+		pairs->of_a[i] = of_a;
 	}
 }
 
-static double mean_distance(const esk_placed_level *level, const nearest *n)
+ESK_EVERY_WIDTH static void find_costs(
+	const esk_placed_level *a, const esk_placed_level *b, const pairing *pairs, double *costs)
 {
-	double sum = 0;
-	for (uint32_t i = 0; i < level->count; i++)
-		sum += level->share[i] * sqrt(n->square[i]);
-	return sum;
+	esk_lanes sum = {0};
+	for (uint32_t i = 0; i < a->count; i++)
+		ESK_EACH_LANE (l)
+			sum[l] += a->share[i] * sqrt(pairs->of_a[i].square[l]) +
+				  b->share[i] * sqrt(pairs->of_b[i].square[l]);
+	ESK_EACH_LANE (l)
+		costs[l] = sum[l] / 2;
 }
 
-static void correlate(double share, const esk_placed_level *a, int64_t i, const esk_placed_level *b, int64_t j,
-	double correlation[3][3])
+/* Of paired centres, weighted by share. */
+ESK_EVERY_WIDTH static void correlate(const esk_placed_level *a, const esk_placed_level *b,
+	const esk_posed_level *posed, const pairing *pairs, esk_lanes correlation[3][3])
 {
+	esk_lanes sum[3][3] = {{{0}}};
+	for (uint32_t i = 0; i < a->count; i++)
+		for (int r = 0; r < 3; r++)
+			for (int c = 0; c < 3; c++)
+				ESK_EACH_LANE (l)
+					sum[r][c][l] +=
+						a->share[i] * (a->at[r][i] * pairs->of_a[i].centre[c][l]) +
+						b->share[i] * (pairs->of_b[i].centre[r][l] * posed->at[c][i][l]);
+	memcpy(correlation, sum, sizeof sum);
+}
+
+/* orthogonal = rotation orthogonal */
+static void turn(const esk_lanes rotation[3][3], esk_lanes orthogonal[3][3])
+{
+	esk_lanes out[3][3];
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 3; c++)
-			correlation[r][c] += share * (a->at[r][i] * b->at[c][j]);
+			ESK_EACH_LANE (l)
+				out[r][c][l] = rotation[r][0][l] * orthogonal[0][c][l] +
+					       rotation[r][1][l] * orthogonal[1][c][l] +
+					       rotation[r][2][l] * orthogonal[2][c][l];
+	memcpy(orthogonal, out, sizeof out);
 }
 
-/* Turns b about the common centre so that paired centres superpose. */
-static void turn(const esk_placed_level *a, esk_placed_level *b, const pairing *pairs)
+/* Compares a with b in eight poses, and turns b about the common centre so that paired centres superpose. */
+static void compare(const esk_placed_level *a, const esk_placed_level *b, esk_lanes orthogonal[3][3], double *costs)
 {
-	double correlation[3][3] = {{0}}, rotation[3][3];
-	for (uint32_t i = 0; i < a->count; i++)
-		correlate(a->share[i], a, i, b, pairs->of_a.index[i], correlation);
-	for (uint32_t j = 0; j < b->count; j++)
-		correlate(b->share[j], a, pairs->of_b.index[j], b, j, correlation);
-	esk_rotation_fit((const double(*)[3])correlation, rotation);
-	esk_placed_move((const double(*)[3])rotation, b);
+	esk_lanes correlation[3][3], rotation[3][3];
+	esk_posed_level posed;
+	pairing pairs;
+	esk_placed_pose(b, (const esk_lanes(*)[3])orthogonal, &posed);
+	find_nearest(a, &posed, &pairs);
+	find_costs(a, b, &pairs, costs);
+	correlate(a, b, &posed, &pairs, correlation);
+	esk_rotation_fit((const esk_lanes(*)[3])correlation, rotation);
+	turn((const esk_lanes(*)[3])rotation, orthogonal);
 }
 
-static bool same_pairs(const pairing *p, const pairing *q, uint32_t count)
+static bool agree(double cost, double other)
 {
-	size_t size = count * sizeof p->of_a.index[0];
-	return memcmp(p->of_a.index, q->of_a.index, size) == 0 && memcmp(p->of_b.index, q->of_b.index, size) == 0;
+	return fabs(cost - other) <= alike * cost;
 }
 
-/* The least cost on the way from one start. Unchanged pairs would only ask for the turn just made. */
-static double follow(const esk_placed_level *a, const esk_placed_level *b, const double frame[3][3], int turns)
+/* Keeps the poses that may still lead to a lesser cost: not those that settled, nor those that another one stands for. */
+static void close_ranks(const double least[HANDS], const double *before, pose_set *poses)
 {
-	esk_placed_level moved = *b;
-	esk_placed_move(frame, &moved);
-	double least = INFINITY;
-	pairing pairs[2];
-	for (int t = 0;; t++) {
-		pairing *now = &pairs[t & 1];
-		find_nearest(a, &moved, now);
-		least = fmin(least, (mean_distance(a, &now->of_a) + mean_distance(&moved, &now->of_b)) / 2);
-		if (t == turns || (t > 0 && same_pairs(&pairs[0], &pairs[1], a->count)))
-			return least;
-		turn(a, &moved, now);
+	int count = poses->count;
+	poses->count = 0;
+	for (int p = 0; p < count; p++) {
+		double cost = poses->cost[p];
+		bool wanted = cost <= hopeless * least[poses->hand[p]] && !agree(cost, before[p]);
+		for (int q = 0; wanted && q < poses->count; q++)
+			wanted = poses->hand[q] != poses->hand[p] || !agree(cost, poses->cost[q]);
+		if (wanted)
+			keep_pose(poses, p, poses);
 	}
 }
 
-/* Writes the most promising frames of a hand; the first of equals. */
-static void choose_starts(
-	const esk_placed_level *a, const esk_placed_level *b, bool proper, double starts[STARTS][3][3])
+/* Adds the least costs of a level, from these starts on. */
+static void add_least_costs(
+	const esk_placed_level *a, const esk_placed_level *b, const pose_set *starts, double sums[HANDS])
 {
-	double frames[FRAMES][3][3], costs[FRAMES];
-	for (int f = 0; f < FRAMES; f++) {
-		make_frame(f, proper, frames[f]);
-		costs[f] = follow(a, b, (const double(*)[3])frames[f], 0);
+	pose_set poses = *starts;
+	double least[HANDS] = {INFINITY, INFINITY}, before[POSES_MAX];
+	for (int t = 0; t <= TURNS; t++) {
+		memcpy(before, poses.cost, sizeof before);
+		for (int p = 0; p < poses.count; p += ESK_LANES)
+			compare(a, b, poses.orthogonal[p / ESK_LANES], &poses.cost[p]);
+		for (int p = 0; p < poses.count; p++)
+			least[poses.hand[p]] = fmin(least[poses.hand[p]], poses.cost[p]);
+		close_ranks(least, before, &poses);
 	}
-	for (int s = 0; s < STARTS; s++) {
-		int best = 0;
-		for (int f = 1; f < FRAMES; f++)
-			if (costs[f] < costs[best])
-				best = f;
-		memcpy(starts[s], frames[best], sizeof starts[s]);
-		costs[best] = INFINITY;
-	}
+	for (int hand = 0; hand < HANDS; hand++)
+		sums[hand] += least[hand];
 }
 
-static double least_cost(const esk_placed_level *a, const esk_placed_level *b, double starts[STARTS][3][3])
+/* The most promising frames of each hand; the first of equals. */
+static void choose_starts(const esk_placed_level *a, const esk_placed_level *b, pose_set *starts)
 {
-	double least = INFINITY;
-	for (int s = 0; s < STARTS; s++)
-		least = fmin(least, follow(a, b, (const double(*)[3])starts[s], TURNS));
-	return least;
+	pose_set frames;
+	double costs[POSES_MAX];
+	init_poses(&frames);
+	for (int p = 0; p < frames.count; p += ESK_LANES) {
+		esk_lanes turned[3][3];
+		memcpy(turned, frames.orthogonal[p / ESK_LANES], sizeof turned);
+		compare(a, b, turned, &costs[p]);
+	}
+	*starts = (pose_set){0};
+	for (int hand = 0; hand < HANDS; hand++)
+		for (int s = 0; s < STARTS; s++) {
+			int best = hand * FRAMES;
+			for (int f = best + 1; f < (hand + 1) * FRAMES; f++)
+				if (costs[f] < costs[best])
+					best = f;
+			keep_pose(&frames, best, starts);
+			costs[best] = INFINITY;
+		}
 }
 
 void esk_superposition_costs(
 	const eskel_skeleton *a, const eskel_skeleton *b, uint32_t last, double *proper, double *improper)
 {
 	esk_placed_level placed_a, placed_b;
-	double proper_starts[STARTS][3][3], improper_starts[STARTS][3][3], sums[2] = {0, 0};
+	pose_set starts;
+	double sums[HANDS] = {0, 0};
 	uint32_t start_level = last < START_LEVEL ? last : START_LEVEL;
 	esk_natural_frame_place(a, start_level, &placed_a);
 	esk_natural_frame_place(b, start_level, &placed_b);
-	choose_starts(&placed_a, &placed_b, true, proper_starts);
-	choose_starts(&placed_a, &placed_b, false, improper_starts);
+	choose_starts(&placed_a, &placed_b, &starts);
 	for (uint32_t k = ESK_SUPERPOSITION_FIRST_LEVEL; k <= last; k++) {
 		esk_natural_frame_place(a, k, &placed_a);
 		esk_natural_frame_place(b, k, &placed_b);
-		sums[0] += least_cost(&placed_a, &placed_b, proper_starts);
-		sums[1] += least_cost(&placed_a, &placed_b, improper_starts);
+		add_least_costs(&placed_a, &placed_b, &starts, sums);
 	}
 	*proper = sums[0];
 	*improper = sums[1];
