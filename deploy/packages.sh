@@ -3,6 +3,7 @@
 #   build   to build and run it
 #   trial   for the quick start: real anatomy, and a way to look at answers
 #   test    for tests/run.sh: the second compiler, the test library and the oracles in Python
+#   bench   for tests/bench/run.sh: the programs that eskel is measured beside
 # Says nothing and needs no rights when all are there.
 set -eu
 
@@ -11,6 +12,8 @@ build='build-essential cmake ninja-build pkg-config python3 python3-yaml libsqli
 trial='mricron-data curl'
 test='clang libclang-rt-14-dev libcmocka-dev mricron-data curl chromium-driver python3-numpy python3-scipy
 	python3-nibabel python3-jsonschema'
+bench='mricron-data wrk liblemon-dev libnifti-dev python3-numpy python3-scipy python3-nibabel python3-sklearn
+	python3-faiss'
 
 missing=
 for set in "$@"; do
@@ -18,7 +21,8 @@ for set in "$@"; do
 	build) packages=$build ;;
 	trial) packages=$trial ;;
 	test) packages=$test ;;
-	*) echo "packages.sh: $set is none of build, trial, test" >&2; exit 2 ;;
+	bench) packages=$bench ;;
+	*) echo "packages.sh: $set is none of build, trial, test, bench" >&2; exit 2 ;;
 	esac
 	for package in $packages; do
 		[ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing="$missing $package"

@@ -1,0 +1,164 @@
+#!/bin/sh
+# The benchmarks: builds eskel as it is released, installs its peers from Debian, measures ours and theirs in turn, round
+# after round, and prints one table. About ten minutes; each part alone takes one or two:
+#
+#     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|enroll|serve]...
+#
+# ROUNDS=5 takes five rounds in place of three. Everything is one thread, but for the server. Programs, inputs and
+# results are in build-bench/. README.md beside this file says how to read the table.
+set -eu
+
+cd "$(dirname "$0")/../.."
+parts=${*:-partition atlas growth match search decode enroll serve}
+for part in $parts; do
+	case $part in
+	partition | atlas | growth | match | search | decode | enroll | serve) ;;
+	*) echo "run.sh: $part is none of partition, atlas, growth, match, search, decode, enroll, serve" >&2; exit 2 ;;
+	esac
+done
+sh deploy/packages.sh build bench
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+folder=build-bench
+ours=$folder/tests/bench
+inputs=$folder/inputs
+results=$folder/results
+peers=tests/bench/peers
+
+# ---- build
+
+cmake -S . -B $folder -G Ninja -DCMAKE_BUILD_TYPE=Release -DESKEL_TESTS=ON >/dev/null
+cmake --build $folder --target eskeld bench_partition bench_skeleton bench_match bench_search bench_decode bench_enroll \
+	bench_inputs bench_fill -- --quiet
+c++ -O2 $peers/matching.cpp -o $folder/peer_matching -llemon
+cc -O2 -D_GNU_SOURCE -I/usr/include/nifti $peers/decoding.c -o $folder/peer_decoding -lniftiio -lz
+
+# ---- inputs, made once: delete the folder to make them anew
+
+need() { # KIND
+	[ -e "$inputs/$1.made" ] && return
+	echo "making inputs: $1" >&2
+	mkdir -p $inputs
+	$ours/bench_inputs "$1" $inputs
+	touch "$inputs/$1.made"
+}
+
+# ---- parts: each runs ours, then the peers, once
+
+partition() {
+	need shapes
+	for shape in hamate femur large; do
+		$ours/bench_partition $inputs/$shape.nii.gz
+		/usr/bin/python3 $peers/clustering.py partition/$shape $inputs/$shape.nii.gz
+	done
+}
+
+atlas() {
+	aal=/usr/share/mricron/templates/aal.nii.gz
+	$ours/bench_skeleton atlas/aal-116 $aal 16 whole
+	$ours/bench_skeleton atlas/aal-116 $aal 10 whole
+	/usr/bin/python3 $peers/clustering.py atlas/aal-116 $aal
+}
+
+growth() {
+	need shapes
+	for voxels in 20000 200000 2000000 20000000; do
+		$ours/bench_skeleton growth/voxels=$voxels $inputs/voxels=$voxels.nii.gz 10
+		[ $voxels -gt 2000000 ] || /usr/bin/python3 $peers/clustering.py growth/voxels=$voxels $inputs/voxels=$voxels.nii.gz
+	done
+	for levels in 4 8 16 32 64; do
+		$ours/bench_skeleton growth/levels=$levels $inputs/femur.nii.gz $levels
+	done
+}
+
+match() {
+	need costs
+	for k in 4 10 16 32 64; do
+		for kind in classes uniform; do
+			$ours/bench_match $inputs/$kind-$k 2>/dev/null
+			/usr/bin/python3 $peers/matching.py $inputs/$kind-$k
+			$folder/peer_matching $inputs/$kind-$k
+		done
+	done
+}
+
+search() {
+	for shapes in 1000 10000 100000 1000000; do
+		$ours/bench_search $shapes
+		/usr/bin/python3 $peers/faiss_flat.py $shapes
+	done
+}
+
+decode() {
+	need maps
+	for map in uint8 uint16; do
+		$ours/bench_decode decode/$map $inputs/$map.nii.gz
+		$folder/peer_decoding inflate decode/$map $inputs/$map.nii.gz
+		$folder/peer_decoding nifti decode/$map $inputs/$map.nii.gz
+		/usr/bin/python3 $peers/decoding.py decode/$map $inputs/$map.nii.gz
+	done
+}
+
+enroll() {
+	rm -f $folder/enroll.db*
+	$ours/bench_enroll $folder/enroll.db
+}
+
+# eskeld on a database, on any free port; its address into $url, its number into $server.
+start() { # DATABASE
+	begun=$(date +%s%N)
+	rm -f $folder/url
+	$folder/server/eskeld --database "$1" --listen 127.0.0.1:0 --rate 1000000 >$folder/url 2>$folder/log &
+	server=$!
+	trap 'kill "$server"' EXIT
+	until [ -s $folder/url ]; do
+		kill -0 "$server" || { cat $folder/log >&2; exit 1; }
+		sleep 0.01
+	done
+	ready=$((($(date +%s%N) - begun) / 1000000))
+	url=$(cat $folder/url)
+}
+
+stop() { # FIGURE
+	printf '%s\teskeld\t%s\tMB\n' "$1" $(($(sed -n 's/VmHWM:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$server/status") / 1024))
+	kill "$server"
+	wait "$server" || true
+	trap - EXIT
+}
+
+ask() { # FIGURE CLIENTS SECONDS, then what serve.lua takes
+	FIGURE=$1 wrk -t 1 -c "$2" -d "$3" --timeout 10 -s tests/bench/serve.lua "$url" -- "$4" "${5:-}" "${6:-}" >$folder/wrk
+	grep "^$1" $folder/wrk
+}
+
+serve() {
+	need posts
+	if [ ! -e $inputs/fill.ids ]; then
+		echo "filling a database with 100,000 shapes" >&2
+		rm -f $inputs/fill.db*
+		$ours/bench_fill $inputs/fill.db 100000 >$inputs/ids
+		mv $inputs/ids $inputs/fill.ids
+	fi
+	start $inputs/fill.db
+	printf 'serve/start-100000-shapes\teskeld\t%s\tms\n' $ready
+	ask serve/healthz-32-clients 32 2 health
+	ask serve/recognize-32-clients 32 4 recognize $inputs/fill.ids
+	stop serve/recognize-32-clients
+	rm -f $folder/posts.db*
+	start $folder/posts.db
+	ask serve/enroll-8-clients 8 4 enroll $inputs 4000
+	stop serve/enroll-8-clients
+}
+
+# ---- rounds
+
+: >$results
+round=1
+while [ $round -le "${ROUNDS:-3}" ]; do
+	for part in $parts; do
+		echo "round $round: $part" >&2
+		$part >>$results
+	done
+	round=$((round + 1))
+done
+/usr/bin/python3 tests/bench/table.py $results
