@@ -20,9 +20,9 @@ static size_t rank_bytes(size_t rank_count)
 	return rank_count <= HALF_BYTES ? (rank_count + 1) / 2 : HALF_BYTES / 2 + (rank_count - HALF_BYTES);
 }
 
-static uint32_t get_rank(const uint8_t *ranks, size_t n)
+static uint32_t half_byte(const uint8_t *ranks, size_t n)
 {
-	return n < HALF_BYTES ? (uint32_t)ranks[n / 2] >> 4 * (n % 2) & 15 : ranks[n - HALF_BYTES / 2];
+	return (uint32_t)ranks[n / 2] >> 4 * (n % 2) & 15;
 }
 
 /* The bytes are zero before. */
@@ -34,12 +34,14 @@ static void put_rank(uint8_t *ranks, size_t n, uint32_t rank)
 		ranks[n - HALF_BYTES / 2] = (uint8_t)rank;
 }
 
+/* On the way to every matching, so the kind of rank is found outside the loop. */
 void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorted, uint32_t row_count, float *rows)
 {
 	size_t n = ESK_NUMBERS_MAX * ESKEL_NODES(level - 1);
-	for (uint32_t c = 0; c < row_count; c++)
-		for (uint32_t i = 0; i < level; i++)
-			rows[c * level + i] = sorted[c * level + get_rank(shape->ranks, n++)];
+	const bool halves = level <= HALF_BYTE_CLASSES;
+	for (uint32_t c = 0; c < row_count; c++, sorted += level, rows += level)
+		for (uint32_t i = 0; i < level; i++, n++)
+			rows[i] = sorted[halves ? half_byte(shape->ranks, n) : shape->ranks[n - HALF_BYTES / 2]];
 }
 
 /* Sorts one row and notes where each class went: a class's rank is how many go before it; of equal numbers the lower class
