@@ -52,7 +52,8 @@ void *esk_arena_take(esk_arena *arena, size_t size)
 /* Pieces are aligned to their size. */
 void esk_arena_give_back(const void *memory)
 {
-	release((esk_piece *)((uintptr_t)memory & ~(uintptr_t)(piece_size - 1)));
+	if (memory)
+		release((esk_piece *)((uintptr_t)memory & ~(uintptr_t)(piece_size - 1)));
 }
 
 void esk_arena_clear(esk_arena *arena)

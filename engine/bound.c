@@ -163,6 +163,11 @@ double esk_bound_by_halves(const esk_bound *bound, const esk_columns *columns, u
 	       safe(size, 0);
 }
 
+double esk_bound_of_level(const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t level)
+{
+	return by_halves(bound, columns, slot, level, level, weight(bound->query, level));
+}
+
 /* A shape's means over its levels 1..16 can be compared with the query's over the same levels only. */
 static void scan_totals(const esk_bound *bound, const esk_columns *columns, uint32_t count, float *bounds)
 {
@@ -230,7 +235,7 @@ double esk_bound_by_sorting(const esk_bound *bound, const esk_columns *columns, 
 	const esk_query *query = bound->query;
 	const uint32_t depth = esk_query_depth(query, shape), first = query->summed ? 1 : depth;
 	for (uint32_t k = first; k <= depth; k++)
-		levels[k - 1] = by_halves(bound, columns, slot, k, k, weight(query, k));
+		levels[k - 1] = esk_bound_of_level(bound, columns, slot, k);
 	double lower = 0;
 	for (uint32_t k = first; k <= depth && lower <= enough; k++) {
 		levels[k - 1] = level_by_sorting(bound, shape, k);

@@ -28,6 +28,8 @@ void esk_bound_init(esk_bound *bound, const esk_query *query);
 void esk_bound_scan(const esk_bound *bound, const esk_columns *columns, uint32_t count, float *bounds);
 /* By the halves of each level that counts. */
 double esk_bound_by_halves(const esk_bound *bound, const esk_columns *columns, uint32_t slot);
+/* Of D_k alone, by its halves. */
+double esk_bound_of_level(const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t level);
 /* By sorted numbers, level after level in place of halves, until the bound exceeds enough. Then or at the end
  * levels[k - 1] is a bound of D_k for each level that counts. */
 double esk_bound_by_sorting(const esk_bound *bound, const esk_columns *columns, uint32_t slot, const esk_shape *shape,

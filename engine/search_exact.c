@@ -114,10 +114,26 @@ static bool list_candidates(walk *w)
 	return true;
 }
 
+/* The levels that count between the query and most shapes. */
+static uint32_t first_level(const walk *w)
+{
+	return w->search->query.summed ? 1 : w->search->query.deepest;
+}
+
+/* Of summed levels the first few decide about most shapes. */
+static void ask_first_sorted(const walk *w, uint32_t id)
+{
+	esk_search_ask_halves(w->search, id, first_level(w), w->search->query.deepest);
+	esk_search_ask_shape(w->search, id, first_level(w), w->search->query.summed ? 6 : w->search->query.deepest);
+}
+
 static void discard_by_halves(walk *w)
 {
 	size_t kept = 0;
 	for (size_t n = 0; n < w->count; n++) {
+		if (n + ESK_SEARCH_AHEAD < w->count)
+			esk_search_ask_halves(w->search, w->candidates[n + ESK_SEARCH_AHEAD].id, first_level(w),
+				w->search->query.deepest);
 		candidate c = w->candidates[n];
 		c.bound = bound_by_halves(w, c.id);
 		if (c.bound <= threshold(w))
@@ -131,6 +147,10 @@ static void discard_by_sorting(walk *w)
 	size_t kept = 0;
 	double levels[ESKEL_LEVELS_MAX];
 	for (size_t n = 0; n < w->count; n++) {
+		if (n + 2 * ESK_SEARCH_AHEAD < w->count)
+			esk_search_ask_place(w->search, w->candidates[n + 2 * ESK_SEARCH_AHEAD].id);
+		if (n + ESK_SEARCH_AHEAD < w->count)
+			ask_first_sorted(w, w->candidates[n + ESK_SEARCH_AHEAD].id);
 		candidate c = w->candidates[n];
 		c.bound = bound_by_sorting(w, c.id, threshold(w), levels);
 		if (c.bound <= threshold(w))

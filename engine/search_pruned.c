@@ -6,6 +6,7 @@
  * both have. Nothing is proven unless all were compared: a discarded shape may be nearer in the end. */
 #include "search.h"
 
+#include "bound.h"
 #include "memory.h"
 
 #include <math.h>
@@ -16,6 +17,7 @@ enum { least_kept = 10, kept_one_in = 10 };
 
 typedef struct {
 	esk_search *search;
+	esk_bound bound;
 	esk_ranked *all; /* those still in */
 	size_t count;
 } walk;
@@ -50,56 +52,135 @@ static void first_distances(const esk_query *query, const esk_columns *columns, 
 		distances[slot] = sqrtf(distances[slot]);
 }
 
-/* The first step reads every shape. It holds at most twice what it keeps: whenever that is full, the nearer half stays,
- * and sets what a shape must not exceed to be listed at all. */
-static eskel_status take_first_step(walk *w)
+/* A distance's bits, all but the last 15: they order as distances do, which are not negative. */
+enum { bins = 1 << 16, bin_shift = 15 };
+
+static uint32_t bin(float distance)
 {
-	const esk_search *search = w->search;
-	const size_t keep = step_keeps(w, search->participant_count), room = 2 * keep;
-	double farthest = (double)INFINITY;
-	w->all = esk_memory_array(room, sizeof *w->all);
-	if (!w->all)
-		return ESKEL_NO_MEMORY;
-	for (uint32_t c = 0; c < search->snapshot.directory->chunk_count; c++) {
-		const esk_columns *columns = &search->snapshot.directory->chunks[c]->columns;
-		const uint32_t slots = esk_snapshot_slots(&search->snapshot, c);
-		float distances[ESK_CHUNK_SLOTS];
-		first_distances(&search->query, columns, slots, distances);
-		for (uint32_t slot = 0; slot < slots; slot++) {
-			const uint32_t id = esk_snapshot_id(c, slot);
-			const double distance = (double)distances[slot] +
-						esk_query_size_term(&search->query, columns->log_volumes[slot]);
-			if (distance > farthest || !esk_search_takes(search, c, slot))
-				continue;
-			if (w->count == room) {
-				esk_ranked_select(w->all, w->count, keep);
-				w->count = keep;
-				farthest = esk_ranked_last(w->all, keep)->distance;
-			}
-			w->all[w->count++] = (esk_ranked){distance, esk_snapshot_key(&search->snapshot, id), id};
-		}
-	}
-	esk_ranked_select(w->all, w->count, keep);
-	w->count = keep;
-	return ESKEL_OK;
+	uint32_t bits;
+	memcpy(&bits, &distance, sizeof bits);
+	return bits >> bin_shift;
 }
 
-static double step_distance(const esk_query *query, const esk_shape *other, uint32_t level)
+/* All D_1 with the size term, rounded to float, and how many of those that take part are in each bin. */
+static void scan(const walk *w, float *distances, uint32_t *counts)
+{
+	const esk_search *search = w->search;
+	for (uint32_t c = 0; c < search->snapshot.directory->chunk_count; c++, distances += ESK_CHUNK_SLOTS) {
+		const esk_columns *columns = &search->snapshot.directory->chunks[c]->columns;
+		const uint32_t slots = esk_snapshot_slots(&search->snapshot, c);
+		first_distances(&search->query, columns, slots, distances);
+		for (uint32_t slot = 0; slot < slots; slot++)
+			distances[slot] = (float)((double)distances[slot] +
+						  esk_query_size_term(&search->query, columns->log_volumes[slot]));
+		for (uint32_t slot = 0; slot < slots; slot++)
+			counts[bin(distances[slot])] += esk_search_takes(search, c, slot);
+	}
+}
+
+static double step_distance(const walk *w, uint32_t id, uint32_t level);
+
+/* Lists those in bins before last, and in *last_count items behind them those in the last bin. */
+static void list(walk *w, const float *distances, uint32_t last, size_t room)
+{
+	const esk_snapshot *snapshot = &w->search->snapshot;
+	size_t end = room;
+	for (uint32_t c = 0; c < snapshot->directory->chunk_count; c++, distances += ESK_CHUNK_SLOTS) {
+		const uint32_t slots = esk_snapshot_slots(snapshot, c);
+		for (uint32_t slot = 0; slot < slots; slot++) {
+			const uint32_t its = bin(distances[slot]), id = esk_snapshot_id(c, slot);
+			if (its > last || !esk_search_takes(w->search, c, slot))
+				continue;
+			esk_ranked *item = its < last ? &w->all[w->count++] : &w->all[--end];
+			*item = (esk_ranked){(double)distances[slot], esk_snapshot_key(snapshot, id), id};
+		}
+	}
+}
+
+/* The first step reads every shape. Which of them stay needs no sorting: counting how many distances fall in each of many
+ * bins tells in which bin the last to stay is, and only those in that bin are told apart. */
+static eskel_status take_first_step(walk *w)
+{
+	const size_t keep = step_keeps(w, w->search->participant_count);
+	const size_t ids = (size_t)w->search->snapshot.directory->chunk_count * ESK_CHUNK_SLOTS;
+	float *distances = esk_memory_array(ids, sizeof *distances);
+	uint32_t *counts = esk_memory_zeroed_array(bins, sizeof *counts), last = 0;
+	size_t room = 0;
+	eskel_status status = ESKEL_NO_MEMORY;
+	if (!distances || !counts)
+		goto cleanup;
+	scan(w, distances, counts);
+	while ((room += counts[last]) < keep)
+		last++;
+	w->all = esk_memory_array(room, sizeof *w->all);
+	if (!w->all)
+		goto cleanup;
+	list(w, distances, last, room);
+	for (size_t n = w->count; n < room; n++)
+		w->all[n].distance = step_distance(w, w->all[n].id, 1);
+	esk_ranked_select(w->all + w->count, room - w->count, keep - w->count);
+	w->count = keep;
+	status = ESKEL_OK;
+cleanup:
+	free(distances);
+	free(counts);
+	return status;
+}
+
+static uint32_t step_level(const esk_query *query, uint32_t their_levels, uint32_t level)
 {
 	if (level > query->shape->level_count)
 		level = query->shape->level_count;
-	if (level > other->level_count)
-		level = other->level_count;
-	return esk_query_level(query, other, level) + esk_query_size_term(query, other->log_volume);
+	return level < their_levels ? level : their_levels;
 }
 
+static double step_distance(const walk *w, uint32_t id, uint32_t level)
+{
+	const esk_query *query = &w->search->query;
+	const esk_shape *other = esk_snapshot_shape(&w->search->snapshot, id);
+	return esk_query_level(query, other, step_level(query, other->level_count, level)) +
+	       esk_query_size_term(query, other->log_volume);
+}
+
+static double step_bound(const walk *w, uint32_t id, uint32_t level)
+{
+	const esk_columns *columns = &w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS]->columns;
+	const uint32_t slot = id % ESK_CHUNK_SLOTS;
+	level = step_level(&w->search->query, columns->level_counts[slot], level);
+	return esk_bound_of_level(&w->bound, columns, slot, level) +
+	       esk_query_size_term(&w->search->query, columns->log_volumes[slot]);
+}
+
+/* Puts their distances in place of the bounds of all up to n. */
+static void measure(walk *w, esk_ranked *all, size_t n, uint32_t level)
+{
+	for (size_t i = 0; i < n; i++) {
+		if (i + 2 * ESK_SEARCH_AHEAD < n)
+			esk_search_ask_place(w->search, all[i + 2 * ESK_SEARCH_AHEAD].id);
+		if (i + ESK_SEARCH_AHEAD < n)
+			esk_search_ask_shape(w->search, all[i + ESK_SEARCH_AHEAD].id, level, level);
+		all[i].distance = step_distance(w, all[i].id, level);
+	}
+}
+
+/* Only those are measured whose bounds are not above the distances of as many others as stay. */
 static void take_step(walk *w, uint32_t level)
 {
-	for (size_t n = 0; n < w->count; n++)
-		w->all[n].distance =
-			step_distance(&w->search->query, esk_snapshot_shape(&w->search->snapshot, w->all[n].id), level);
 	const size_t keep = step_keeps(w, w->count);
+	for (size_t n = 0; n < w->count; n++) {
+		if (n + ESK_SEARCH_AHEAD < w->count)
+			esk_search_ask_halves(w->search, w->all[n + ESK_SEARCH_AHEAD].id, level, level);
+		w->all[n].distance = step_bound(w, w->all[n].id, level);
+	}
 	esk_ranked_select(w->all, w->count, keep);
+	measure(w, w->all, keep, level);
+	const double farthest = esk_ranked_last(w->all, keep)->distance;
+	size_t count = keep;
+	for (size_t n = keep; n < w->count; n++)
+		if (w->all[n].distance <= farthest)
+			w->all[count++] = w->all[n];
+	measure(w, w->all + keep, count - keep, level);
+	esk_ranked_select(w->all, count, keep);
 	w->count = keep;
 }
 
@@ -117,6 +198,7 @@ static void compare(walk *w)
 eskel_status esk_search_pruned(esk_search *search)
 {
 	walk w = {.search = search};
+	esk_bound_init(&w.bound, &search->query);
 	eskel_status status = take_first_step(&w);
 	if (status == ESKEL_OK) {
 		if (w.count < search->participant_count)

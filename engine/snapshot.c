@@ -12,17 +12,18 @@ void esk_chunk_free(esk_chunk *chunk)
 	for (uint32_t slot = 0; slot < chunk->count; slot++)
 		esk_arena_give_back(chunk->shapes[slot]);
 	esk_columns_clear(&chunk->columns);
-	free(chunk);
+	esk_arena_give_back(chunk);
 }
 
 eskel_status esk_chunk_new(uint32_t capacity, esk_arena *arena, esk_chunk **chunk)
 {
-	esk_chunk *made = esk_memory_zeroed_array(1, sizeof *made);
+	esk_chunk *made = esk_arena_take(arena, sizeof *made);
 	if (!made)
 		return ESKEL_NO_MEMORY;
+	memset(made, 0, sizeof *made);
 	eskel_status status = esk_columns_init(&made->columns, capacity, arena);
 	if (status != ESKEL_OK) {
-		free(made);
+		esk_arena_give_back(made);
 		return status;
 	}
 	made->capacity = capacity;

@@ -42,7 +42,7 @@ typedef struct {
 	size_t shape_count;
 } esk_snapshot;
 
-/* Its columns lie in the arena. */
+/* It and its columns lie in the arena. */
 eskel_status esk_chunk_new(uint32_t capacity, esk_arena *arena, esk_chunk **chunk);
 /* For a chunk that no directory lists. */
 void esk_chunk_free(esk_chunk *chunk);
