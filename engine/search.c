@@ -10,54 +10,32 @@
 
 enum { default_limit = 5 };
 
-/* Whether key is in ascending keys. A library's keys mostly ascend as well, so the search gallops on from where the last
- * one ended. */
-static bool contains(const int64_t *keys, size_t count, size_t *cursor, int64_t key)
+static void choose_slots(
+	const esk_snapshot *snapshot, uint32_t c, const eskel_search_options *options, uint64_t slots[ESK_CHUNK_WORDS])
 {
-	size_t low = *cursor, step = 1;
-	if (low >= count || keys[low] > key)
-		low = 0;
-	while (step < count - low && keys[low + step] <= key) {
-		low += step;
-		step *= 2;
+	esk_chunk *chunk = snapshot->directory->chunks[c];
+	uint64_t found[ESK_CHUNK_WORDS];
+	esk_snapshot_visible(snapshot, c, slots);
+	if (options->keys) {
+		esk_chunk_find(chunk, esk_snapshot_slots(snapshot, c), options->keys, options->key_count, found);
+		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
+			slots[word] &= found[word];
 	}
-	size_t high = step < count - low ? low + step : count;
-	while (low < high) {
-		size_t middle = low + (high - low) / 2;
-		if (keys[middle] < key)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	*cursor = low;
-	return low < count && keys[low] == key;
-}
-
-static void choose_slots(const esk_snapshot *snapshot, uint32_t chunk, const eskel_search_options *options,
-	size_t *cursor, uint64_t slots[ESK_CHUNK_WORDS])
-{
-	const int64_t *keys = snapshot->directory->chunks[chunk]->keys;
-	esk_snapshot_visible(snapshot, chunk, slots);
-	if (!options->keys && !options->leave_out)
-		return;
-	for (uint32_t slot = 0; slot < esk_snapshot_slots(snapshot, chunk); slot++) {
-		bool out = options->leave_out && keys[slot] == options->left_out_key;
-		if (options->keys && !out)
-			out = !contains(options->keys, options->key_count, cursor, keys[slot]);
-		if (out)
-			slots[slot / 64] &= ~(UINT64_C(1) << slot % 64);
+	if (options->leave_out) {
+		esk_chunk_find(chunk, esk_snapshot_slots(snapshot, c), &options->left_out_key, 1, found);
+		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
+			slots[word] &= ~found[word];
 	}
 }
 
 static eskel_status choose_participants(esk_search *search, const eskel_search_options *options)
 {
 	const uint32_t chunks = search->snapshot.directory->chunk_count;
-	size_t cursor = 0;
 	search->participants = esk_memory_array(chunks, sizeof *search->participants);
 	if (!search->participants)
 		return ESKEL_NO_MEMORY;
 	for (uint32_t c = 0; c < chunks; c++) {
-		choose_slots(&search->snapshot, c, options, &cursor, search->participants[c]);
+		choose_slots(&search->snapshot, c, options, search->participants[c]);
 		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
 			search->participant_count += (size_t)__builtin_popcountll(search->participants[c][word]);
 	}

@@ -21,6 +21,14 @@ static inline bool esk_search_takes(const esk_search *search, uint32_t chunk, ui
 	return search->participants[chunk][slot / 64] >> slot % 64 & 1;
 }
 
+static inline bool esk_search_takes_any(const esk_search *search, uint32_t chunk)
+{
+	uint64_t any = 0;
+	for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
+		any |= search->participants[chunk][word];
+	return any != 0;
+}
+
 /* Notes how many shapes a step has left in. */
 static inline void esk_search_end_step(esk_search *search, size_t kept)
 {

@@ -57,7 +57,8 @@ static void scan(walk *w, esk_nearest *scouts)
 	for (uint32_t chunk = 0; chunk < snapshot->directory->chunk_count; chunk++) {
 		const uint32_t slots = esk_snapshot_slots(snapshot, chunk);
 		float *bounds = w->bounds + (size_t)chunk * ESK_CHUNK_SLOTS;
-		esk_bound_scan(&w->bound, &snapshot->directory->chunks[chunk]->columns, slots, bounds);
+		if (esk_search_takes_any(w->search, chunk))
+			esk_bound_scan(&w->bound, &snapshot->directory->chunks[chunk]->columns, slots, bounds);
 		for (uint32_t slot = 0; slot < ESK_CHUNK_SLOTS; slot++) {
 			const uint32_t id = esk_snapshot_id(chunk, slot);
 			if (!esk_search_takes(w->search, chunk, slot))

@@ -69,6 +69,8 @@ static void scan(const walk *w, float *distances, uint32_t *counts)
 	for (uint32_t c = 0; c < search->snapshot.directory->chunk_count; c++, distances += ESK_CHUNK_SLOTS) {
 		const esk_columns *columns = &search->snapshot.directory->chunks[c]->columns;
 		const uint32_t slots = esk_snapshot_slots(&search->snapshot, c);
+		if (!esk_search_takes_any(search, c))
+			continue;
 		first_distances(&search->query, columns, slots, distances);
 		for (uint32_t slot = 0; slot < slots; slot++)
 			distances[slot] = (float)((double)distances[slot] +
@@ -86,7 +88,7 @@ static void list(walk *w, const float *distances, uint32_t last, size_t room)
 	const esk_snapshot *snapshot = &w->search->snapshot;
 	size_t end = room;
 	for (uint32_t c = 0; c < snapshot->directory->chunk_count; c++, distances += ESK_CHUNK_SLOTS) {
-		const uint32_t slots = esk_snapshot_slots(snapshot, c);
+		const uint32_t slots = esk_search_takes_any(w->search, c) ? esk_snapshot_slots(snapshot, c) : 0;
 		for (uint32_t slot = 0; slot < slots; slot++) {
 			const uint32_t its = bin(distances[slot]), id = esk_snapshot_id(c, slot);
 			if (its > last || !esk_search_takes(w->search, c, slot))

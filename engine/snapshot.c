@@ -76,3 +76,46 @@ void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk_index, ui
 		if (atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) <= snapshot->moment)
 			slots[slot / 64] &= ~(UINT64_C(1) << slot % 64);
 }
+
+/* The first of ascending keys from begin on that is not below key. It gallops, because the next is mostly near. */
+static size_t advance(const int64_t *keys, size_t count, size_t begin, int64_t key)
+{
+	size_t low = begin, step = 1;
+	while (step <= count - low && keys[low + step - 1] < key) {
+		low += step;
+		step *= 2;
+	}
+	size_t high = step <= count - low ? low + step - 1 : count;
+	while (low < high) {
+		size_t middle = low + (high - low) / 2;
+		if (keys[middle] < key)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+/* Keys that ascend on both sides are merged, which costs little where they do not overlap; the others are looked up one by
+ * one. The writer may add to the ascending keys meanwhile; those that were there stay so. */
+void esk_chunk_find(
+	esk_chunk *chunk, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t slots[ESK_CHUNK_WORDS])
+{
+	const uint32_t noted = atomic_load_explicit(&chunk->ascending, memory_order_relaxed);
+	const uint32_t ascending = noted < slot_count ? noted : slot_count;
+	memset(slots, 0, ESK_CHUNK_WORDS * sizeof *slots);
+	size_t slot = 0, at = ascending ? advance(keys, key_count, 0, chunk->keys[0]) : key_count;
+	while (at < key_count && (slot = advance(chunk->keys, ascending, slot, keys[at])) < ascending) {
+		if (chunk->keys[slot] == keys[at]) {
+			slots[slot / 64] |= UINT64_C(1) << slot % 64;
+			at++;
+		} else {
+			at = advance(keys, key_count, at, chunk->keys[slot]);
+		}
+	}
+	for (slot = ascending; slot < slot_count; slot++) {
+		at = advance(keys, key_count, 0, chunk->keys[slot]);
+		if (at < key_count && keys[at] == chunk->keys[slot])
+			slots[slot / 64] |= UINT64_C(1) << slot % 64;
+	}
+}

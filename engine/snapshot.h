@@ -22,6 +22,7 @@ typedef struct {
 	atomic_uint references; /* directories that list it */
 	uint32_t capacity;      /* at most ESK_CHUNK_SLOTS */
 	uint32_t count;         /* slots filled */
+	atomic_uint ascending;  /* so many of the first keys ascend; all, mostly */
 	atomic_uint removed_count;
 	esk_columns columns;
 	esk_shape *shapes[ESK_CHUNK_SLOTS];
@@ -60,6 +61,10 @@ static inline uint32_t esk_snapshot_slots(const esk_snapshot *snapshot, uint32_t
 
 /* Sets bit s for each slot that holds a shape of the snapshot. */
 void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk, uint64_t slots[ESK_CHUNK_WORDS]);
+
+/* Sets bit s for each of the first slot_count slots whose key is among the ascending keys. */
+void esk_chunk_find(
+	esk_chunk *chunk, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t slots[ESK_CHUNK_WORDS]);
 
 /* A shape's number within the snapshot. */
 static inline uint32_t esk_snapshot_id(uint32_t chunk, uint32_t slot)
