@@ -1,6 +1,6 @@
 #!/bin/sh
 # The benchmarks: builds eskel as it is released, installs its peers from Debian, measures ours and theirs in turn, round
-# after round, and prints one table. About ten minutes; each part alone takes one or two:
+# after round, and prints one table. Ten to fifteen minutes; each part alone takes up to four:
 #
 #     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|enroll|serve]...
 #

@@ -1,7 +1,8 @@
 """Lines of figure, program, value and unit to a table: table.py RESULTS
 
-A line that comes again is another round. Of each figure the first program is ours; a ratio is a program's median
-divided by ours, so above 1 ours is faster. Spread is the largest less the smallest, in percent of the median."""
+A line that comes again is another round. Of each figure the first program is ours; a ratio is the median over rounds
+of a program's time divided by ours of the same round, so above 1 ours is faster. Spread is the largest less the
+smallest, in percent of the median."""
 import math
 import re
 import statistics
@@ -37,7 +38,8 @@ def rows_of(figure, programs):
             continue
         unit, values = next(iter(said.items()))
         middle = statistics.median(values)
-        ratio = f"{middle / statistics.median(programs[first]):.2f}" if unit == first[1] else ""
+        of_round = [value / ours for value, ours in zip(values, programs[first])]
+        ratio = f"{statistics.median(of_round):.2f}" if unit == first[1] else ""
         spread = f"{100 * (max(values) - min(values)) / middle:.0f} %"
         yield figure, program, f"{number(middle)} {unit}", ratio, spread, peak, also
 
