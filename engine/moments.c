@@ -48,28 +48,6 @@ void esk_moments_add(esk_moments *moments, const esk_segment *s)
 	moments->second[2][2] += all * ((int64_t)s->z * s->z);
 }
 
-void esk_moments_merge(esk_moments *moments, const esk_moments *other)
-{
-	moments->voxels += other->voxels;
-	moments->sums.weight += other->sums.weight;
-	for (int r = 0; r < 3; r++) {
-		moments->sums.first[r] += other->sums.first[r];
-		for (int c = r; c < 3; c++)
-			moments->second[r][c] += other->second[r][c];
-	}
-}
-
-void esk_moments_subtract(esk_moments *moments, const esk_moments *other)
-{
-	moments->voxels -= other->voxels;
-	moments->sums.weight -= other->sums.weight;
-	for (int r = 0; r < 3; r++) {
-		moments->sums.first[r] -= other->sums.first[r];
-		for (int c = r; c < 3; c++)
-			moments->second[r][c] -= other->second[r][c];
-	}
-}
-
 /* w sum(w u v) - sum(w u) sum(w v) is w times the scatter, and exact. */
 void esk_moments_scatter(const esk_moments *moments, double scatter[3][3])
 {

@@ -59,8 +59,6 @@ static inline void esk_sums_remove(esk_sums *sums, const esk_segment *s)
 }
 
 void esk_moments_add(esk_moments *moments, const esk_segment *segment);
-void esk_moments_merge(esk_moments *moments, const esk_moments *other);
-void esk_moments_subtract(esk_moments *moments, const esk_moments *other);
 
 /* The scatter matrix, sum of w (u - g)(u - g)^T = weight times covariance: exact integers rounded twice, once to
  * double and once by the division. The weight is not 0. */

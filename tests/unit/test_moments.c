@@ -86,23 +86,6 @@ static void moments_at_the_bounds_of_a_cloud_are_exact(void **state)
 	assert_true(scatter[1][1] == 0 && scatter[2][2] == 0 && scatter[0][1] == 0 && scatter[1][2] == 0);
 }
 
-static void moments_of_a_union_equal_the_merged_moments(void **state)
-{
-	(void)state;
-	uint64_t random = 2;
-	esk_moments parts[2] = {{0}}, whole = {0};
-	for (int i = 0; i < MANY; i++) {
-		esk_segment s = random_segment(&random, 300, 5);
-		esk_moments_add(&parts[i % 2], &s);
-		esk_moments_add(&whole, &s);
-	}
-	esk_moments merged = parts[0];
-	esk_moments_merge(&merged, &parts[1]);
-	assert_same(&merged, &whole);
-	esk_moments_subtract(&merged, &parts[1]);
-	assert_same(&merged, &parts[0]);
-}
-
 static void removing_a_segment_undoes_adding_it(void **state)
 {
 	(void)state;
@@ -201,7 +184,6 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(moments_of_a_segment_equal_those_of_its_voxels),
 		cmocka_unit_test(moments_at_the_bounds_of_a_cloud_are_exact),
-		cmocka_unit_test(moments_of_a_union_equal_the_merged_moments),
 		cmocka_unit_test(removing_a_segment_undoes_adding_it),
 		cmocka_unit_test(the_scatter_equals_that_of_differences_from_the_centre),
 		cmocka_unit_test(a_mirrored_cloud_has_negated_coordinates),
