@@ -1,15 +1,10 @@
 #include "bound.h"
 
+#include "halves.h"
+#include "lanes.h"
+
 #include <math.h>
 #include <string.h>
-
-/* Compiled for wide registers too, chosen at run time. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-	!defined(__SANITIZE_THREAD__)
-#define ESK_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define ESK_WIDE
-#endif
 
 /* Rounding must never lift a bound above the distance. A bound is a few hundred float operations on differences, each
  * wrong by at most 2^-24 of its result: 2^-13 of the bound covers them. The numbers that are subtracted carry
@@ -28,6 +23,25 @@ static double weight(const esk_query *query, uint32_t depth)
 	return query->signature == ESKEL_SIGNATURE_PAPER ? depth : 1;
 }
 
+/* Lengths are kept size-free. */
+static bool has_unit(const esk_query *query)
+{
+	return query->signature == ESKEL_SIGNATURE_PAPER && query->size_counts;
+}
+
+typedef struct {
+	uint32_t first, last;
+	double each; /* what a level's mean pair cost is worth */
+} level_range;
+
+static level_range levels_that_count(const esk_query *query, uint32_t their_levels)
+{
+	const uint32_t depth = esk_query_depth_at(query, their_levels), first = query->summed ? 1 : depth;
+	return (level_range){first, depth, weight(query, depth) / (depth - first + 1)};
+}
+
+/* ---- the query's side */
+
 static double magnitude(const float *numbers, uint32_t count)
 {
 	double sum = 0;
@@ -36,210 +50,289 @@ static double magnitude(const float *numbers, uint32_t count)
 	return sum;
 }
 
-/* Means of the paper's lengths are kept size-free. */
-static bool has_unit(const esk_query *query)
+static void prepare_halves(esk_bound *bound, uint32_t k)
 {
-	return query->signature == ESKEL_SIGNATURE_PAPER && query->size_counts;
+	const esk_query *query = bound->query;
+	const uint32_t numbers = esk_numbers(query->signature), depth = esk_query_depth_at(query, ESK_SUMMED_LEVELS);
+	const float unit = has_unit(query) ? query->shape->scale : 1;
+	float *halves = bound->halves + (k - 1) * 2 * numbers;
+	esk_shape_halves(query->shape, query->signature, k, halves);
+	for (uint32_t h = 0; h < 2 * numbers; h++) {
+		halves[h] *= unit;
+		bound->total_halves[h] += k <= depth ? halves[h] / (float)depth : 0;
+	}
+	bound->halves_magnitudes[k] = bound->halves_magnitudes[k - 1] + magnitude(halves, 2 * numbers);
+	for (uint32_t h = 0; h < 2 * numbers; h++)
+		halves[h] = fmaxf(halves[h] - esk_columns_half_codes(query->signature, h / 2).origin, 0);
+}
+
+static void prepare_sorted(esk_bound *bound, uint32_t k)
+{
+	const esk_query *query = bound->query;
+	const uint32_t numbers = esk_numbers(query->signature) * k,
+		       first = ESK_NUMBERS_MAX * (uint32_t)ESKEL_NODES(k - 1);
+	memcpy(bound->sorted + first, query->sorted[k - 1], numbers * sizeof *bound->sorted);
+	for (uint32_t n = 0; n < numbers; n++)
+		bound->worths[first + n] = 1 / (float)k;
 }
 
 void esk_bound_init(esk_bound *bound, const esk_query *query)
 {
 	const uint32_t numbers = esk_numbers(query->signature), levels = query->shape->level_count;
-	const float unit = has_unit(query) ? query->shape->scale : 1;
-	const float bottom = esk_columns_codes(query->signature).origin;
-	double sums[ESK_NUMBERS_MAX] = {0};
-	*bound = (esk_bound){.query = query};
+	const uint32_t depth = esk_query_depth_at(query, ESK_SUMMED_LEVELS);
+	*bound = (esk_bound){.query = query, .scan = esk_scan_make(query, (float)weight(query, depth))};
 	for (uint32_t k = 1; k <= levels; k++)
-		bound->class_magnitudes[k - 1] = magnitude(query->rows[k - 1], numbers * k) / k;
+		bound->class_magnitudes[k] =
+			bound->class_magnitudes[k - 1] + magnitude(query->rows[k - 1], numbers * k) / k;
 	for (uint32_t k = 1; k <= levels && k <= ESK_SUMMED_LEVELS; k++) {
-		float *halves = bound->halves + (k - 1) * 2 * numbers, *total = bound->total_means + (k - 1) * numbers;
-		esk_shape_halves(query->shape, query->signature, k, halves);
-		for (uint32_t h = 0; h < 2 * numbers; h++) {
-			halves[h] *= unit;
-			sums[h / 2] += (double)halves[h];
-			halves[h] = fmaxf(halves[h], bottom);
-		}
-		for (uint32_t c = 0; c < numbers; c++)
-			total[c] = (float)(sums[c] / k);
-		bound->halves_magnitudes[k] = bound->halves_magnitudes[k - 1] + magnitude(halves, 2 * numbers);
-		bound->total_magnitudes[k - 1] = magnitude(total, numbers);
+		prepare_halves(bound, k);
+		prepare_sorted(bound, k);
 	}
 }
 
-/* Rows of halves against the query's, in its units. Theirs stand for origin + code * step, and the query's are brought
- * below top as theirs were (columns.h); from below it has been done before. */
-typedef struct {
-	float origin, step, top;
-} scaled_codes;
+/* ---- halves, counted in steps of their codes */
 
-static inline __attribute__((always_inline)) float halves_difference(
-	const scaled_codes *codes, const float *mine, const uint8_t *theirs)
+static float euclidean_halves(const float *mine, size_t count, const uint8_t *theirs, float steps, uint32_t numbers)
 {
-	const float inside = *mine < codes->top ? *mine : codes->top;
-	return fabsf(inside - (codes->origin + (float)*theirs * codes->step));
+	float sum = 0;
+	for (size_t n = 0; n < count; n += (size_t)2 * numbers) {
+		float squares = 0;
+		for (size_t h = n; h < n + (size_t)2 * numbers; h += 2) {
+			const float difference = fabsf(fminf(mine[h] * steps, 255) - (float)theirs[h]) +
+						 fabsf(fminf(mine[h + 1] * steps, 255) - (float)theirs[h + 1]);
+			squares += difference * difference;
+		}
+		sum += sqrtf(squares);
+	}
+	return sum;
 }
 
-/* In sixteen lanes: the same sum, and so the same shapes discarded, on any processor. */
-ESK_WIDE static float sum_of_halves(const scaled_codes *codes, const float *mine, const uint8_t *theirs, uint32_t count)
+enum { AT_ONCE = 64 };
+
+/* For each of these slots: what the levels, which all have, add to the distance at least. */
+static void by_halves(const esk_bound *bound, const esk_columns *columns, const uint16_t *slots, uint32_t count,
+	level_range levels, float *bounds)
 {
-	float lanes[16] = {0};
-	uint32_t n = 0;
-	for (; n + 16 <= count; n += 16)
-		for (uint32_t lane = 0; lane < 16; lane++)
-			lanes[lane] += halves_difference(codes, mine + n + lane, theirs + n + lane);
-	for (uint32_t lane = 0; n < count; n++, lane++)
-		lanes[lane] += halves_difference(codes, mine + n, theirs + n);
-	for (uint32_t width = 8; width > 0; width /= 2)
-		for (uint32_t lane = 0; lane < width; lane++)
+	const esk_query *query = bound->query;
+	const eskel_signature_kind kind = query->signature;
+	const uint32_t numbers = esk_numbers(kind);
+	const size_t skipped = (levels.first - 1) * (size_t)2 * numbers,
+		     halves = levels.last * (size_t)2 * numbers - skipped;
+	const float step = esk_columns_half_codes(kind, 0).step, most = (float)halves / 2;
+	const double magnitudes = bound->halves_magnitudes[levels.last] - bound->halves_magnitudes[levels.first - 1];
+	const float each = (float)(levels.each * (1 - relative_margin));
+	const float margin = (float)(levels.each * absolute_margin * magnitudes);
+	const uint8_t *rows[AT_ONCE];
+	float worths[AT_ONCE], steps[AT_ONCE], sums[AT_ONCE], slacks[AT_ONCE];
+	for (uint32_t i = 0; i < count; i++) {
+		worths[i] = has_unit(query) ? step * columns->scales[slots[i]] : step;
+		slacks[i] = columns->slacks[kind][slots[i]];
+		rows[i] = esk_columns_halves(columns, slots[i], kind) + skipped;
+	}
+	for (size_t i = 0; i < count; i++)
+		steps[i] = 1 / worths[i];
+	if (!query->euclidean)
+		esk_halves_sum(bound->halves + skipped, halves, rows, steps, count, sums);
+	for (uint32_t i = 0; query->euclidean && i < count; i++)
+		sums[i] = euclidean_halves(bound->halves + skipped, halves, rows[i], steps[i], numbers);
+	for (size_t i = 0; i < count; i++) {
+		/* A rounding is at most half a step. */
+		const float least = (sums[i] - (slacks[i] < most ? slacks[i] : most)) * worths[i];
+		const float lower = each * least - margin;
+		bounds[i] = lower > 0 ? lower : 0;
+	}
+}
+
+/* How many of these slots' shapes, from the first on, share the same levels with the query. */
+static uint32_t count_alike(const esk_bound *bound, esk_columns *columns, const uint16_t *slots, uint32_t count)
+{
+	const uint32_t depth = esk_query_depth_at(bound->query, columns->level_counts[slots[0]]),
+		       most = count < AT_ONCE ? count : AT_ONCE;
+	uint32_t alike = 1;
+	if (esk_query_depth_at(bound->query, esk_columns_least_levels(columns)) ==
+		esk_query_depth_at(bound->query, ESKEL_LEVELS_MAX))
+		return most;
+	while (alike < most && esk_query_depth_at(bound->query, columns->level_counts[slots[alike]]) == depth)
+		alike++;
+	return alike;
+}
+
+void esk_bound_by_halves(
+	const esk_bound *bound, esk_columns *columns, const uint16_t *slots, uint32_t count, float *bounds)
+{
+	const esk_query *query = bound->query;
+	for (uint32_t i = 0, alike; i < count; i += alike) {
+		const level_range levels = levels_that_count(query, columns->level_counts[slots[i]]);
+		alike = count_alike(bound, columns, slots + i, count - i);
+		if (levels.last <= ESK_SUMMED_LEVELS)
+			by_halves(bound, columns, slots + i, alike, levels, bounds + i);
+		else
+			memset(bounds + i, 0, alike * sizeof *bounds);
+	}
+	const float size_weight = (float)(query->size_weight * (1 - relative_margin)),
+		    log_volume = query->shape->log_volume;
+	for (size_t i = 0; size_weight > 0 && i < count; i++)
+		bounds[i] += size_weight * fabsf(columns->log_volumes[slots[i]] - log_volume);
+}
+
+static double level_by_halves(const esk_bound *bound, const esk_columns *columns, uint32_t slot, level_range levels)
+{
+	float lower = 0;
+	if (levels.last <= ESK_SUMMED_LEVELS)
+		by_halves(bound, columns, (uint16_t[]){(uint16_t)slot}, 1, levels, &lower);
+	return (double)lower;
+}
+
+/* ---- scan */
+
+/* A shape's halves over its levels 1..16 can be compared with the query's over the same levels only. */
+static bool has_totals(const esk_bound *bound, uint32_t their_levels)
+{
+	const uint32_t depth = esk_query_depth_at(bound->query, ESK_SUMMED_LEVELS);
+	return depth == ESK_SUMMED_LEVELS ? their_levels >= depth : their_levels == depth;
+}
+
+static void scan_totals(const esk_bound *bound, esk_columns *columns, uint32_t count, float *bounds)
+{
+	esk_scan_columns(&bound->scan, columns, columns->total_halves[bound->query->signature], true,
+		bound->total_halves, count, bounds);
+	if (has_totals(bound, ESK_SUMMED_LEVELS) && esk_columns_are_plain(columns, ESK_SUMMED_LEVELS))
+		return;
+	for (uint32_t slot = 0; slot < count; slot++) {
+		const uint16_t slots[1] = {(uint16_t)slot};
+		if (columns->odd[slot] || !has_totals(bound, columns->level_counts[slot]))
+			esk_bound_by_halves(bound, columns, slots, 1, &bounds[slot]);
+	}
+}
+
+static void ask_level(const esk_bound *bound, const esk_columns *columns, uint32_t begin, uint32_t end)
+{
+	const uint32_t level = esk_query_depth_at(bound->query, ESK_SUMMED_LEVELS);
+	const size_t size = (size_t)2 * esk_numbers(bound->query->signature);
+	for (uint32_t slot = begin; slot < end && slot < columns->capacity; slot++) {
+		const uint8_t *halves = esk_columns_halves(columns, slot, bound->query->signature) + (level - 1) * size;
+		__builtin_prefetch(halves);
+		__builtin_prefetch(halves + size - 1);
+	}
+}
+
+void esk_bound_scan(const esk_bound *bound, esk_columns *columns, uint32_t count, float *bounds)
+{
+	if (bound->query->summed) {
+		scan_totals(bound, columns, count, bounds);
+		return;
+	}
+	uint16_t slots[AT_ONCE];
+	for (uint32_t slot = 0; slot < count; slot += AT_ONCE) {
+		const uint32_t some = count - slot < AT_ONCE ? count - slot : AT_ONCE;
+		for (uint32_t i = 0; i < some; i++)
+			slots[i] = (uint16_t)(slot + i);
+		ask_level(bound, columns, slot + AT_ONCE, slot + 2 * AT_ONCE);
+		esk_bound_by_halves(bound, columns, slots, some, bounds + slot);
+	}
+}
+
+/* ---- sorted numbers */
+
+enum { LANES = 16 };
+
+/* Always in sixteen lanes: the same sum, and so the same shapes discarded, on any processor. Indices are of size_t: one that
+ * may wrap around would have to be gathered. */
+static inline __attribute__((always_inline)) float sum_of_lanes(float *lanes)
+{
+	for (size_t width = LANES / 2; width > 0; width /= 2)
+		for (size_t lane = 0; lane < width; lane++)
 			lanes[lane] += lanes[lane + width];
 	return lanes[0];
 }
 
-static float euclidean_halves(const scaled_codes *codes, const float *mine, const uint8_t *theirs, uint32_t numbers)
+static inline __attribute__((always_inline)) float number_of(float feature, bool are_lengths, float unit)
 {
-	float squares = 0;
-	for (uint32_t h = 0; h < 2 * numbers; h += 2) {
-		float difference = halves_difference(codes, mine + h, theirs + h) +
-				   halves_difference(codes, mine + h + 1, theirs + h + 1);
-		squares += difference * difference;
-	}
-	return sqrtf(squares);
+	return are_lengths ? esk_shape_length(feature) * unit : feature;
 }
 
-/* The cost of levels first..last, per class, summed; less what rounding may have added. */
-static double halves_cost(
-	const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t first, uint32_t last)
+static inline __attribute__((always_inline)) float sum_of_differences(
+	const float *mine, const float *worths, const float *features, size_t count, bool are_lengths, float unit)
 {
-	const esk_query *query = bound->query;
-	const uint32_t row = 2 * esk_numbers(query->signature), skipped = (first - 1) * row;
-	const esk_codes plain = esk_columns_codes(query->signature);
-	const float unit = has_unit(query) ? columns->scales[slot] : 1;
-	const scaled_codes codes = {plain.origin, plain.step * unit, plain.top * unit};
-	const float *mine = bound->halves + skipped;
-	const uint8_t *theirs = esk_columns_halves(columns, slot, query->signature) + skipped;
-	const uint32_t count = (last - first + 1) * row, most = count / 2;
-	double cost = 0;
-	if (!query->euclidean)
-		cost = (double)sum_of_halves(&codes, mine, theirs, count);
-	else
-		for (uint32_t n = 0; n < count; n += row)
-			cost += (double)euclidean_halves(&codes, mine + n, theirs + n, row / 2);
-	/* A rounding is at most half a step. */
-	const uint32_t slack = columns->slacks[query->signature][slot];
-	return cost - (double)(slack < most ? slack : most) * (double)codes.step;
+	float lanes[LANES] = {0};
+	size_t n = 0;
+	for (; n + LANES <= count; n += LANES)
+		for (size_t lane = 0; lane < LANES; lane++)
+			lanes[lane] += fabsf(number_of(features[n + lane], are_lengths, unit) - mine[n + lane]) *
+				       worths[n + lane];
+	for (size_t lane = 0; n < count; n++, lane++)
+		lanes[lane] += fabsf(number_of(features[n], are_lengths, unit) - mine[n]) * worths[n];
+	return sum_of_lanes(lanes);
 }
 
-/* Of the levels first..last that are among 1..16, together. */
-static double by_halves(
-	const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t first, uint32_t last, double each)
+/* The mean pair cost of levels first..last of 1..16, summed, if each number could choose its own bijection. */
+ESK_EVERY_WIDTH static float sorted_cost(const esk_bound *bound, const esk_shape *shape, uint32_t first, uint32_t last)
 {
-	if (last > ESK_SUMMED_LEVELS)
-		return 0;
-	const double cost = halves_cost(bound, columns, slot, first, last);
-	const double magnitudes = bound->halves_magnitudes[last] - bound->halves_magnitudes[first - 1];
-	return fmax(0, safe(each * cost, each * magnitudes));
+	const size_t begin = ESK_NUMBERS_MAX * ESKEL_NODES(first - 1),
+		     count = ESK_NUMBERS_MAX * ESKEL_NODES(last) - begin;
+	const float *mine = bound->sorted + begin, *worths = bound->worths + begin;
+	const float *features = esk_shape_sorted(shape, first);
+	if (bound->query->signature == ESKEL_SIGNATURE_LOG)
+		return sum_of_differences(mine, worths, features, count, false, 1);
+	return sum_of_differences(mine, worths, features, count, true, has_unit(bound->query) ? shape->scale : 1);
 }
 
-/* sum |theirs[n] unit - mine[n]| in eight lanes: the same sum, and so the same shapes discarded, on any processor. */
-static float sum_of_differences(const float *mine, const float *theirs, float unit, uint32_t count)
-{
-	float lanes[8] = {0};
-	uint32_t n = 0;
-	for (; n + 8 <= count; n += 8)
-		for (uint32_t lane = 0; lane < 8; lane++)
-			lanes[lane] += fabsf(theirs[n + lane] * unit - mine[n + lane]);
-	for (uint32_t lane = 0; n < count; n++, lane++)
-		lanes[lane] += fabsf(theirs[n] * unit - mine[n]);
-	return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
-}
-
-double esk_bound_by_halves(const esk_bound *bound, const esk_columns *columns, uint32_t slot)
-{
-	const esk_query *query = bound->query;
-	const uint32_t depth = esk_query_depth_at(query, columns->level_counts[slot]),
-		       first = query->summed ? 1 : depth;
-	const double size = esk_query_size_term(query, columns->log_volumes[slot]);
-	return by_halves(bound, columns, slot, first, depth, weight(query, depth) / (depth - first + 1)) +
-	       safe(size, 0);
-}
-
-double esk_bound_of_level(const esk_bound *bound, const esk_columns *columns, uint32_t slot, uint32_t level)
-{
-	return by_halves(bound, columns, slot, level, level, weight(bound->query, level));
-}
-
-/* A shape's means over its levels 1..16 can be compared with the query's over the same levels only. */
-static void scan_totals(const esk_bound *bound, const esk_columns *columns, uint32_t count, float *bounds)
-{
-	const esk_query *query = bound->query;
-	const uint32_t numbers = esk_numbers(query->signature), depth = esk_query_depth_at(query, ESK_SUMMED_LEVELS);
-	const float *mine = bound->total_means + (depth - 1) * numbers;
-	const float *units = has_unit(query) ? columns->scales : NULL;
-	const double each = weight(query, depth), magnitudes = each * bound->total_magnitudes[depth - 1];
-	memset(bounds, 0, count * sizeof *bounds);
-	for (uint32_t c = 0; c < numbers; c++)
-		esk_columns_add_differences(columns->total_means[query->signature] + c * columns->capacity, units,
-			mine[c], query->euclidean, count, bounds);
-	for (uint32_t slot = 0; slot < count; slot++) {
-		const uint32_t theirs = columns->level_counts[slot];
-		double cost = query->euclidean ? sqrt((double)bounds[slot]) : (double)bounds[slot];
-		double size = esk_query_size_term(query, columns->log_volumes[slot]);
-		if (theirs == depth || (theirs > depth && depth == ESK_SUMMED_LEVELS))
-			bounds[slot] = (float)safe(each * cost + size, magnitudes);
-		else
-			bounds[slot] = (float)esk_bound_by_halves(bound, columns, slot);
-	}
-}
-
-void esk_bound_scan(const esk_bound *bound, const esk_columns *columns, uint32_t count, float *bounds)
-{
-	if (bound->query->summed)
-		scan_totals(bound, columns, count, bounds);
-	else
-		for (uint32_t slot = 0; slot < count; slot++)
-			bounds[slot] = (float)esk_bound_by_halves(bound, columns, slot);
-}
-
-/* The least cost of a level if each number could choose its own bijection. */
-static double sorted_cost(const esk_query *query, uint32_t level, const float *mine, const float *theirs)
+/* The same for any level and metric. */
+static float sorted_cost_of_level(const esk_query *query, const esk_shape *shape, uint32_t k)
 {
 	const uint32_t numbers = esk_numbers(query->signature);
-	if (!query->euclidean)
-		return (double)sum_of_differences(mine, theirs, 1, numbers * level);
-	double squares = 0;
+	float scratch[ESK_LEVEL_FLOATS_MAX], sum = 0;
+	const float *theirs = esk_query_sorted(query, shape, k, scratch), *mine = query->sorted[k - 1];
 	for (uint32_t c = 0; c < numbers; c++) {
-		double cost = (double)sum_of_differences(mine + c * level, theirs + c * level, 1, level);
-		squares += cost * cost;
+		float difference = 0;
+		for (uint32_t i = c * k; i < (c + 1) * k; i++)
+			difference += fabsf(theirs[i] - mine[i]);
+		sum += query->euclidean ? difference * difference : difference;
 	}
-	return sqrt(squares);
+	return (query->euclidean ? sqrtf(sum) : sum) / (float)k;
+}
+
+static double sorted_costs(const esk_bound *bound, const esk_shape *shape, uint32_t first, uint32_t last)
+{
+	if (!bound->query->euclidean && last <= ESK_SUMMED_LEVELS)
+		return (double)sorted_cost(bound, shape, first, last);
+	double sum = 0;
+	for (uint32_t k = first; k <= last; k++)
+		sum += (double)sorted_cost_of_level(bound->query, shape, k);
+	return sum;
+}
+
+/* What levels first..last add to the distance at least. */
+static double by_sorting(const esk_bound *bound, const esk_shape *shape, uint32_t first, uint32_t last, double each)
+{
+	const double magnitudes = bound->class_magnitudes[last] - bound->class_magnitudes[first - 1];
+	return safe(each * sorted_costs(bound, shape, first, last), each * magnitudes);
+}
+
+double esk_bound_by_sorting(const esk_bound *bound, const esk_columns *columns, uint32_t slot, const esk_shape *shape,
+	uint32_t first, uint32_t last, double *sorted)
+{
+	level_range counting = levels_that_count(bound->query, shape->level_count);
+	const double size = safe(esk_query_size_term(bound->query, shape->log_volume), 0);
+	if (first < counting.first)
+		first = counting.first;
+	if (last > counting.last)
+		last = counting.last;
+	if (first <= last)
+		*sorted += by_sorting(bound, shape, first, last, counting.each);
+	if (counting.first <= last)
+		counting.first = last + 1;
+	return *sorted + size + (counting.first <= counting.last ? level_by_halves(bound, columns, slot, counting) : 0);
+}
+
+void esk_bound_levels(const esk_bound *bound, const esk_shape *shape, double *levels)
+{
+	const level_range counting = levels_that_count(bound->query, shape->level_count);
+	for (uint32_t k = counting.first; k <= counting.last; k++)
+		levels[k - 1] = by_sorting(bound, shape, k, k, weight(bound->query, k));
 }
 
 double esk_bound_of_levels(const esk_query *query, const esk_shape *other, const double *levels)
 {
 	return safe(esk_query_combine(query, other, levels), 0);
-}
-
-static double level_by_sorting(const esk_bound *bound, const esk_shape *shape, uint32_t k)
-{
-	const esk_query *query = bound->query;
-	float scratch[ESK_LEVEL_FLOATS_MAX];
-	const float *theirs = esk_query_sorted(query, shape, k, scratch);
-	const double each = weight(query, k);
-	return safe(
-		each / k * sorted_cost(query, k, query->sorted[k - 1], theirs), each * bound->class_magnitudes[k - 1]);
-}
-
-double esk_bound_by_sorting(const esk_bound *bound, const esk_columns *columns, uint32_t slot, const esk_shape *shape,
-	double enough, double *levels)
-{
-	const esk_query *query = bound->query;
-	const uint32_t depth = esk_query_depth(query, shape), first = query->summed ? 1 : depth;
-	for (uint32_t k = first; k <= depth; k++)
-		levels[k - 1] = esk_bound_of_level(bound, columns, slot, k);
-	double lower = 0;
-	for (uint32_t k = first; k <= depth && lower <= enough; k++) {
-		levels[k - 1] = level_by_sorting(bound, shape, k);
-		lower = esk_bound_of_levels(query, shape, levels);
-	}
-	return lower;
 }

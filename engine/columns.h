@@ -1,11 +1,14 @@
-/* What a search reads of every shape of a chunk: columns over its slots, and rows of halves.
+/* What a search reads of every shape of a chunk: columns over its slots, and rows.
  *
  * Scans run over columns at the speed of memory; what they leave is judged by the rows; only then is a shape's
  * own piece of memory (shape.h) touched. Arrays over kinds are indexed by eskel_signature_kind. The paper's numbers are the
  * size-free lengths.
  *
- * A row holds the halves (shape.h) of levels 1..16 in a byte each: code b stands for origin + b step, and a half outside
- * the codes is moved to the nearest. A byte is enough, because bounds allow for its error: the moving brings no two
+ * Numbers are kept as codes: code c stands for origin + c step. Columns and rows of level 2 take 16 bits a number, which tell
+ * distances apart but for a few; a number outside the codes makes its slot odd, and then the shape itself is asked.
+ *
+ * A row of halves holds those (shape.h) of levels 1..16 in a byte each, and a half outside the codes is moved to the
+ * nearest. A byte is enough, because they serve lower bounds only, which allow for the error: the moving brings no two
  * numbers further apart, and what the rounding moved, summed over the row, is kept beside it as the row's slack. */
 #ifndef ESK_COLUMNS_H
 #define ESK_COLUMNS_H
@@ -13,21 +16,28 @@
 #include "arena.h"
 #include "shape.h"
 
+#include <stdatomic.h>
+
 enum { ESK_HALVES_MAX = 2 * ESK_NUMBERS_MAX };
 
 typedef struct {
-	float origin, step, top; /* top: the last code's half */
+	float origin, step, top; /* top: what the last code stands for */
 } esk_codes;
 
 typedef struct {
 	uint32_t capacity;
+	atomic_uint least_levels; /* that a shape has */
+	atomic_bool any_odd;
 	float *log_volumes;
 	float *scales;
-	float *first_level;    /* [5][capacity]: the features of level 1 */
-	float *total_means[2]; /* [numbers][capacity]: means over classes, and over the levels 1..16 of a shape */
-	uint8_t *halves[2];    /* [capacity][16][numbers][2]; zeros where a shape has no such level */
-	uint8_t *slacks[2];    /* in steps, rounded up */
+	uint16_t *first_level[2];  /* [numbers][capacity]: of level 1 */
+	uint16_t *total_halves[2]; /* [numbers][2][capacity]: means of the halves over the levels 1..16 of a shape */
+	uint16_t
+		*second_level[2]; /* [capacity][2][numbers]: of the two classes of level 2; zeros where there is none */
+	uint8_t *halves[2];       /* [capacity][16][numbers][2]; zeros where a shape has no such level */
+	uint8_t *slacks[2];       /* in steps, rounded up */
 	uint8_t *level_counts;
+	uint8_t *odd; /* not 0: a number of its columns or of its row of level 2 has no code */
 } esk_columns;
 
 eskel_status esk_columns_init(esk_columns *columns, uint32_t capacity, esk_arena *arena);
@@ -39,17 +49,40 @@ static inline const uint8_t *esk_columns_halves(const esk_columns *columns, uint
 	return columns->halves[kind] + (size_t)slot * ESK_SUMMED_LEVELS * 2 * esk_numbers(kind);
 }
 
-/* Typical halves are -1.3 to 0.2 of the logarithms and 0 to 0.7 of the lengths. */
-static inline esk_codes esk_columns_codes(eskel_signature_kind kind)
+static inline const uint16_t *esk_columns_second(const esk_columns *columns, uint32_t slot, eskel_signature_kind kind)
 {
-	esk_codes codes = {.origin = kind == ESKEL_SIGNATURE_PAPER ? 0 : -2,
-		.step = kind == ESKEL_SIGNATURE_PAPER ? 1.0f / 320 : 1.0f / 100};
-	codes.top = codes.origin + 255 * codes.step;
-	return codes;
+	return columns->second_level[kind] + (size_t)slot * 2 * esk_numbers(kind);
 }
 
-/* sums[slot] += |theirs[slot] units[slot] - mine|, or the square of it; units may be NULL. */
-void esk_columns_add_differences(
-	const float *theirs, const float *units, float mine, bool squared, uint32_t count, float *sums);
+static inline uint32_t esk_columns_least_levels(esk_columns *columns)
+{
+	return atomic_load_explicit(&columns->least_levels, memory_order_relaxed);
+}
+
+/* Whether all codes mean what they say, and every shape has so many levels. */
+static inline bool esk_columns_are_plain(esk_columns *columns, uint32_t levels)
+{
+	return !atomic_load_explicit(&columns->any_odd, memory_order_relaxed) &&
+	       esk_columns_least_levels(columns) >= levels;
+}
+
+/* Logarithms are never below ln 0.02 = -3.9, and 12 is that of a thread 160,000 times as long as the cube of its
+ * volume; lengths of 8 are those of a thread of 1 : 1000. */
+static inline esk_codes esk_columns_codes(eskel_signature_kind kind)
+{
+	if (kind == ESKEL_SIGNATURE_PAPER)
+		return (esk_codes){.origin = 0, .step = 1.0f / 8192, .top = 65535.0f / 8192};
+	return (esk_codes){.origin = -4, .step = 1.0f / 4096, .top = 65535.0f / 4096 - 4};
+}
+
+/* Codes of halves of one number. Of compact shapes nearly all halves are inside, of long ones all but rho and the length of the
+ * first levels. */
+static inline esk_codes esk_columns_half_codes(eskel_signature_kind kind, uint32_t number)
+{
+	static const float origins[ESK_NUMBERS_MAX] = {-1.0f, -1.27f, -1.27f, -0.6f, -1.0f};
+	if (kind == ESKEL_SIGNATURE_PAPER)
+		return (esk_codes){.origin = 0, .step = 1.0f / 500, .top = 255.0f / 500};
+	return (esk_codes){.origin = origins[number], .step = 1.0f / 200, .top = 255.0f / 200 + origins[number]};
+}
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void swap(esk_ranked *a, esk_ranked *b)
 {
@@ -60,6 +61,31 @@ const esk_ranked *esk_ranked_last(const esk_ranked *all, size_t n)
 		if (esk_ranked_before(last, &all[i]))
 			last = &all[i];
 	return last;
+}
+
+/* By digits from the most significant on: the bits of floats that are not negative order as they do. Few share the first
+ * digit, so that the others cost little. */
+float esk_candidates_nth(const esk_candidate *all, size_t count, size_t n)
+{
+	static const uint32_t shifts[] = {18, 9, 0}, digits[] = {1 << 13, 1 << 9, 1 << 9};
+	uint32_t counts[1 << 13], found = 0, known = 0;
+	for (int d = 0; d < 3; d++) {
+		memset(counts, 0, digits[d] * sizeof *counts);
+		for (size_t i = 0; i < count; i++) {
+			uint32_t bits;
+			memcpy(&bits, &all[i].lower, sizeof bits);
+			if ((bits & known) == found)
+				counts[bits >> shifts[d] & (digits[d] - 1)]++;
+		}
+		uint32_t digit = 0;
+		while (n >= counts[digit])
+			n -= counts[digit++];
+		found |= digit << shifts[d];
+		known |= (digits[d] - 1) << shifts[d];
+	}
+	float lower;
+	memcpy(&lower, &found, sizeof lower);
+	return lower;
 }
 
 static int compare(const void *a, const void *b)

@@ -24,6 +24,15 @@ void esk_ranked_select(esk_ranked *all, size_t n, size_t count);
 const esk_ranked *esk_ranked_last(const esk_ranked *all, size_t n);
 void esk_ranked_sort(esk_ranked *all, size_t n);
 
+/* A shape of which only a lower bound of its distance is known. */
+typedef struct {
+	float lower; /* zero or more */
+	uint32_t id;
+} esk_candidate;
+
+/* The lower that n others are before, when all are in order. n is less than count. O(count). */
+float esk_candidates_nth(const esk_candidate *all, size_t count, size_t n);
+
 /* The nearest of all candidates offered so far: a heap with the farthest of them on top. */
 typedef struct {
 	esk_ranked *items;

@@ -30,11 +30,14 @@ static void choose_slots(
 
 static eskel_status choose_participants(esk_search *search, const eskel_search_options *options)
 {
+	enum { ahead = 8 };
 	const uint32_t chunks = search->snapshot.directory->chunk_count;
 	search->participants = esk_memory_array(chunks, sizeof *search->participants);
 	if (!search->participants)
 		return ESKEL_NO_MEMORY;
 	for (uint32_t c = 0; c < chunks; c++) {
+		if (c + ahead < chunks)
+			esk_chunk_ask(search->snapshot.directory->chunks[c + ahead]);
 		choose_slots(&search->snapshot, c, options, search->participants[c]);
 		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
 			search->participant_count += (size_t)__builtin_popcountll(search->participants[c][word]);

@@ -29,6 +29,14 @@ static inline bool esk_search_takes_any(const esk_search *search, uint32_t chunk
 	return any != 0;
 }
 
+static inline bool esk_search_takes_all(const esk_search *search, uint32_t chunk, uint32_t slots)
+{
+	uint32_t taken = 0;
+	for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
+		taken += (uint32_t)__builtin_popcountll(search->participants[chunk][word]);
+	return taken == slots;
+}
+
 /* Notes how many shapes a step has left in. */
 static inline void esk_search_end_step(esk_search *search, size_t kept)
 {
@@ -41,8 +49,33 @@ enum { ESK_SEARCH_AHEAD = 12 };
 
 static inline void esk_search_ask(const void *from, size_t size)
 {
-	for (size_t at = 0; at < size + 63; at += 64)
-		__builtin_prefetch((const char *)from + at);
+	const uintptr_t begin = (uintptr_t)from / 64 * 64, end = (uintptr_t)from + size;
+	for (uintptr_t at = begin; at < end; at += 64)
+		__builtin_prefetch((const void *)at);
+}
+
+/* What a scan of a chunk reads: columns of codes, which lie one after the other, and of floats. For the second cache: the
+ * first is too small for two chunks. */
+static inline void esk_search_ask_column(const void *from, size_t size)
+{
+	for (size_t at = 0; at < size; at += 64)
+		__builtin_prefetch((const char *)from + at, 0, 2);
+}
+
+static inline void esk_search_ask_columns(const esk_search *search, uint32_t chunk, bool first_level)
+{
+	if (chunk >= search->snapshot.directory->chunk_count)
+		return;
+	const eskel_signature_kind kind = search->query.signature;
+	const esk_columns *columns = &search->snapshot.directory->chunks[chunk]->columns;
+	const size_t column = columns->capacity * sizeof(uint16_t) * esk_numbers(kind);
+	if (first_level)
+		esk_search_ask_column(columns->first_level[kind], column);
+	else
+		esk_search_ask_column(columns->total_halves[kind], 2 * column);
+	esk_search_ask_column(columns->log_volumes, columns->capacity * sizeof(float));
+	if (kind == ESKEL_SIGNATURE_PAPER)
+		esk_search_ask_column(columns->scales, columns->capacity * sizeof(float));
 }
 
 static inline void esk_search_ask_halves(const esk_search *search, uint32_t id, uint32_t first, uint32_t last)
@@ -58,16 +91,27 @@ static inline void esk_search_ask_halves(const esk_search *search, uint32_t id, 
 /* Where a shape lies has to be read before the shape can be asked for. */
 static inline void esk_search_ask_place(const esk_search *search, uint32_t id)
 {
-	__builtin_prefetch(&search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS]->shapes[id % ESK_CHUNK_SLOTS]);
+	const esk_chunk *chunk = search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
+	__builtin_prefetch(&chunk->shapes[id % ESK_CHUNK_SLOTS]);
+	__builtin_prefetch(&chunk->keys[id % ESK_CHUNK_SLOTS]);
 }
 
-static inline void esk_search_ask_shape(const esk_search *search, uint32_t id, uint32_t first, uint32_t last)
+/* The numbers of levels first..last. */
+static inline void esk_search_ask_numbers(const esk_search *search, uint32_t id, uint32_t first, uint32_t last)
 {
-	const char *shape = (const char *)esk_snapshot_shape(&search->snapshot, id);
-	const size_t begin = ESK_NUMBERS_MAX * ESKEL_NODES(first - 1), end = ESK_NUMBERS_MAX * ESKEL_NODES(last);
+	const esk_shape *shape = esk_snapshot_shape(&search->snapshot, id);
+	const char *begin = (const char *)(shape->numbers + ESK_NUMBERS_MAX * ESKEL_NODES(first - 1));
 	__builtin_prefetch(shape);
-	__builtin_prefetch(shape + sizeof(esk_shape) + begin / 2);
-	esk_search_ask(shape + (search->shape->numbers + begin) * sizeof(float), (end - begin) * sizeof(float));
+	esk_search_ask(begin, ESK_NUMBERS_MAX * sizeof(float) * (ESKEL_NODES(last) - ESKEL_NODES(first - 1)));
+}
+
+/* And their ranks. */
+static inline void esk_search_ask_level(const esk_search *search, uint32_t id, uint32_t level)
+{
+	const esk_shape *shape = esk_snapshot_shape(&search->snapshot, id);
+	const size_t numbers = ESK_NUMBERS_MAX * ESKEL_NODES(search->shape->level_count);
+	esk_search_ask_numbers(search, id, level, level);
+	__builtin_prefetch((const char *)(shape->numbers + numbers) + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1) / 2);
 }
 
 /* Takes a shape's distance into the answer. */

@@ -8,11 +8,12 @@
  * class. Sorted rows are all that lower bounds need (bound.h), and a search computes far more bounds than matchings,
  * which must put the classes together again.
  *
- * All of a shape lies in one piece, deepest level last: after a scan of the columns (columns.h) a search
- * reads most of a few shapes, not a little of many. A shape never changes. */
+ * All of a shape lies in one piece, deepest level last: what a search reads of it, level after level, lies one after the
+ * other. A shape never changes. */
 #ifndef ESK_SHAPE_H
 #define ESK_SHAPE_H
 
+#include "elementary.h"
 #include "eskel.h"
 
 enum {
@@ -22,19 +23,22 @@ enum {
 	ESK_LEVEL_FLOATS_MAX = ESK_NUMBERS_MAX * ESKEL_LEVELS_MAX
 };
 
+/* Keeps the logarithm of a flat class's zero finite. Distances barely depend on it: anything from 0.005 to 0.1 ranks
+ * shapes alike. */
+#define ESK_SHAPE_OFFSET 0.02
+
 /* How many numbers a class has in a kind of signature. */
 static inline uint32_t esk_numbers(eskel_signature_kind kind)
 {
 	return kind == ESKEL_SIGNATURE_PAPER ? ESK_PAPER_NUMBERS : ESKEL_SIGNATURE_NUMBERS;
 }
 
-/* After the ranks, packed (shape.c), come the numbers of levels 1, 2, .. */
+/* After the numbers of levels 1, 2, .. come the ranks, packed (shape.c). */
 typedef struct {
 	uint32_t level_count;
 	float log_volume; /* ln V */
 	float scale;      /* V^(1/3), mm */
-	uint32_t numbers; /* where they begin, counted in floats from the beginning of the shape */
-	uint8_t ranks[];
+	float numbers[];
 } esk_shape;
 
 /* ESKEL_INVALID when the signature is (signature.h). */
@@ -49,13 +53,21 @@ void esk_shape_write(const eskel_signature *signature, esk_shape *shape);
 /* The 5 sorted rows of k features of a level that the shape has. */
 static inline const float *esk_shape_sorted(const esk_shape *shape, uint32_t level)
 {
-	return (const float *)(const void *)shape + shape->numbers + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1);
+	return shape->numbers + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1);
 }
 
 /* Puts the first rows of a level, sorted alike, into the order of classes. */
 void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorted, uint32_t row_count, float *rows);
 
-/* lengths[n] = (exp features[n] - 0.02) unit; a length of 0 stays 0. */
+/* The size-free length of a feature: exp feature - 0.02; a length of 0 stays 0. */
+static inline float esk_shape_length(float feature)
+{
+	const float length = esk_elementary_exp(feature) - (float)ESK_SHAPE_OFFSET;
+	/* Below 1e-8 the difference is the rounding of a zero. */
+	return length > 1e-8f ? length : 0;
+}
+
+/* Those of count features, times unit. */
 void esk_shape_lengths(const float *features, size_t count, float unit, float *lengths);
 
 /* The halves of a level: for each size-free number of its k classes, in ascending order, the sum of the lower half of them and
