@@ -23,7 +23,7 @@ static const size_t default_most_runs = (size_t)1 << 27;
 static const uint32_t default_most_labels = 4096;
 
 /* Inflated bytes are scanned while they are still in the second-level cache. */
-enum { window_size = 1 << 16, shortest_header = 4, largest_voxel = 8 };
+enum { window_size = 1 << 18, shortest_header = 4, largest_voxel = 8 };
 
 static esk_header_reader *const header_readers[] = {esk_nifti_read_header};
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # All tests, in three builds; warnings are errors:
 #   gcc       optimised, as it is released
-#   clang     with the address and undefined-behaviour sanitizers: all that is not labelled slow
+#   clang     with the address and undefined-behaviour sanitizers, and zlib in place of ISA-L: all that is not labelled slow
 #   threads   with the thread sanitizer: the tests labelled threads or http
 #
 #     sh tests/run.sh [BUILD...]
@@ -16,13 +16,13 @@ if command -v ccache >/dev/null; then launcher=-DCMAKE_C_COMPILER_LAUNCHER=ccach
 passed=0
 failed=0
 
-# FOLDER COMPILER SANITIZERS, then CTest's options
+# FOLDER COMPILER SANITIZERS ISAL, then CTest's options
 test_build() {
-	folder=$1 compiler=$2 sanitizers=$3
-	shift 3
+	folder=$1 compiler=$2 sanitizers=$3 isal=$4
+	shift 4
 	printf '\n== %s\n' "$folder"
 	cmake -S . -B "$folder" -G Ninja -DCMAKE_C_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-		-DESKEL_TESTS=ON -DESKEL_WERROR=ON -DESKEL_SANITIZE="$sanitizers" $launcher >/dev/null
+		-DESKEL_TESTS=ON -DESKEL_WERROR=ON -DESKEL_SANITIZE="$sanitizers" -DESKEL_ISAL="$isal" $launcher >/dev/null
 	cmake --build "$folder" -- --quiet
 	ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@" 2>&1 |
 		tee "$folder/report"
@@ -36,9 +36,9 @@ test_build() {
 [ $# -gt 0 ] || set -- gcc clang threads
 for build; do
 	case $build in
-	gcc) test_build build-test-gcc gcc '' ;;
-	clang) test_build build-test-clang clang address,undefined --label-exclude slow ;;
-	threads) test_build build-test-threads gcc thread --label-regex 'threads|http' ;;
+	gcc) test_build build-test-gcc gcc '' ON ;;
+	clang) test_build build-test-clang clang address,undefined OFF --label-exclude slow ;;
+	threads) test_build build-test-threads gcc thread ON --label-regex 'threads|http' ;;
 	*) echo "run.sh: $build is none of gcc, clang, threads" >&2; exit 2 ;;
 	esac
 done
