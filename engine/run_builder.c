@@ -1,20 +1,33 @@
 /* Voxels in file order, turned into runs per label.
  *
- * Nearly all voxels equal their neighbour. So the bytes are scanned for the end of a stretch of equal stored voxels,
- * 64 bytes a step and whatever the datatype, because equal bytes mean equal labels; only then is one stored voxel of
- * the stretch decoded and its label looked up. Background runs on through the ends of rows and slices. Different bytes
- * may mean one label too (0.0 and -0.0), and a stretch breaks where the caller's piece ends: a run that continues the
- * label's last one is therefore joined to it.
+ * Nearly all voxels equal their neighbour. So the bytes are scanned for the places where voxels change (changes.h),
+ * whatever the datatype, because equal bytes mean equal labels, and of each stretch between two changes one voxel is
+ * decoded. What a stored voxel means is remembered: volumes have few labels. Background runs on through the ends of rows
+ * and slices. Different bytes may mean one label too (0.0 and -0.0), and a stretch breaks where the caller's piece ends:
+ * a run that continues the label's last one is therefore joined to it.
  */
 #include "run_builder.h"
 
-#include "byte_order.h"
-#include "bytes.h"
+#include "changes.h"
 #include "error.h"
 #include "memory.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* Bytes are scanned in pieces whose changes fit in the first-level cache, even when all voxels differ. */
+enum { piece_size = 1 << 13 };
+
+/* Room for the labels of an atlas, so that few share a slot. */
+enum { meaning_bits = 10, meaning_count = 1 << meaning_bits };
+static const uint32_t no_place = UINT32_MAX; /* background and labels that are not wanted */
+
+/* What a stored voxel means. */
+typedef struct {
+	uint64_t stored; /* the voxel's bytes, as a number */
+	uint32_t place;  /* of its label in the table */
+	bool known;
+} meaning;
 
 struct esk_run_builder {
 	esk_voxel_format format;
@@ -23,8 +36,9 @@ struct esk_run_builder {
 	esk_run_limits limits;
 	esk_label_table table;
 	bool only_listed; /* the table holds the wanted labels, others are dropped */
-	size_t last;      /* place in the table of the label found last */
 	size_t run_count;
+	meaning meanings[meaning_count]; /* by hash; a new label, which moves others in the table, empties them */
+	uint16_t changes[piece_size];
 };
 
 /* The place of label in the table, or the place where it belongs. */
@@ -96,55 +110,71 @@ void esk_run_builder_set_grid(esk_run_builder *builder, const esk_voxel_format *
 	memcpy(builder->extent, extent, sizeof builder->extent);
 }
 
-/* Not 0 when any of 32 bytes differs from the pattern. */
-static uint64_t difference(const uint8_t *b, uint64_t pattern)
-{
-	return (esk_bytes_get_u64(b) ^ pattern) | (esk_bytes_get_u64(b + 8) ^ pattern) |
-	       (esk_bytes_get_u64(b + 16) ^ pattern) | (esk_bytes_get_u64(b + 24) ^ pattern);
-}
-
-/* How many of the first size bytes repeat the first voxel, in whole voxels. voxel_size is 1, 2, 4 or 8. */
-static size_t equal_bytes(const uint8_t *bytes, size_t size, unsigned voxel_size)
-{
-	uint64_t pattern = esk_byte_order_unsigned(bytes, voxel_size, false);
-	for (unsigned bits = 8 * voxel_size; bits < 64; bits *= 2)
-		pattern |= pattern << bits;
-	const size_t whole_voxels = ~(size_t)(voxel_size - 1); /* rounds down */
-	size_t n = voxel_size;
-	while (size - n >= 64 && (difference(bytes + n, pattern) | difference(bytes + n + 32, pattern)) == 0)
-		n += 64;
-	for (; size - n >= 8; n += 8) {
-		uint64_t differing = esk_bytes_get_u64(bytes + n) ^ pattern;
-		if (differing != 0) {
-			n += (unsigned)__builtin_ctzll(differing) / 8; /* the lowest bits are the first byte */
-			return n & whole_voxels;
-		}
-	}
-	while (n < size && bytes[n] == bytes[n - voxel_size])
-		n++;
-	return n & whole_voxels;
-}
-
-/* The runs of a label; NULL in *found when it is not wanted. */
-static eskel_status find_label(esk_run_builder *b, int32_t label, esk_label_runs **found, eskel_error *error)
+/* The place of a label in the table; no_place when it is not wanted. */
+static eskel_status find_label(esk_run_builder *b, int32_t label, uint32_t *found, eskel_error *error)
 {
 	esk_label_table *table = &b->table;
-	if (b->last >= table->count || table->items[b->last].label != label) {
-		size_t place = lower_bound(table, label);
-		bool known = place < table->count && table->items[place].label == label;
-		if (!known && b->only_listed) {
-			*found = NULL;
-			return ESKEL_OK;
-		}
-		if (!known && table->count == b->limits.most_labels)
-			return esk_error_set(error, ESKEL_TOO_LARGE,
-				"the volume has more than %u labels: is it an image rather than a label map?",
-				b->limits.most_labels);
-		if (!known && insert_label(table, place, label) != ESKEL_OK)
-			return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %zu labels", table->count + 1);
-		b->last = place;
+	size_t place = lower_bound(table, label);
+	bool known = place < table->count && table->items[place].label == label;
+	if (label == 0 || (!known && b->only_listed)) {
+		*found = no_place;
+		return ESKEL_OK;
 	}
-	*found = &table->items[b->last];
+	if (!known && table->count == b->limits.most_labels)
+		return esk_error_set(error, ESKEL_TOO_LARGE,
+			"the volume has more than %u labels: is it an image rather than a label map?",
+			b->limits.most_labels);
+	if (!known && insert_label(table, place, label) != ESKEL_OK)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %zu labels", table->count + 1);
+	if (!known)
+		memset(b->meanings, 0, sizeof b->meanings);
+	*found = (uint32_t)place;
+	return ESKEL_OK;
+}
+
+static eskel_status decode(esk_run_builder *b, const uint8_t *voxel, uint32_t *place, eskel_error *error)
+{
+	int32_t label;
+	double value;
+	if (!esk_voxel_label(&b->format, voxel, &label, &value))
+		return esk_error_set(error, ESKEL_BAD_VALUE,
+			"voxel (%u, %u, %u) is %.10g, expected an integer between -2^31 and 2^31", b->x, b->y, b->z,
+			value);
+	return find_label(b, label, place, error);
+}
+
+/* The bytes of a voxel as a number, in whichever order. */
+static uint64_t stored_bits(const uint8_t *voxel, unsigned size)
+{
+	uint64_t bits = 0;
+	switch (size) {
+	case 1:
+		return voxel[0];
+	case 2:
+		memcpy(&bits, voxel, 2);
+		return bits;
+	case 4:
+		memcpy(&bits, voxel, 4);
+		return bits;
+	default:
+		memcpy(&bits, voxel, 8);
+		return bits;
+	}
+}
+
+/* The place of the voxel's label in the table; no_place when the voxel is background or its label not wanted. */
+static eskel_status look_up(esk_run_builder *b, const uint8_t *voxel, uint32_t *place, eskel_error *error)
+{
+	uint64_t stored = stored_bits(voxel, b->format.size);
+	/* Multiplying by 2^64 over the golden ratio spreads numbers that follow one another, and what differs in any bit. */
+	meaning *m = &b->meanings[stored * 0x9e3779b97f4a7c15 >> (64 - meaning_bits)];
+	if (!m->known || m->stored != stored) {
+		eskel_status status = decode(b, voxel, place, error);
+		if (status == ESKEL_OK)
+			*m = (meaning){stored, *place, true};
+		return status;
+	}
+	*place = m->place;
 	return ESKEL_OK;
 }
 
@@ -180,14 +210,12 @@ static void advance(esk_run_builder *b, size_t voxels)
 	b->z += (uint32_t)(y / b->extent[1]);
 }
 
-/* The next count voxels have this label: one run for each row that they reach into. */
-static eskel_status add_stretch(esk_run_builder *b, int32_t label, size_t count, eskel_error *error)
+/* The next count voxels are like this one: one run for each row that they reach into. */
+static eskel_status add_stretch(esk_run_builder *b, const uint8_t *voxel, size_t count, eskel_error *error)
 {
-	esk_label_runs *runs = NULL;
-	eskel_status status = ESKEL_OK;
-	if (label != 0)
-		status = find_label(b, label, &runs, error);
-	if (status != ESKEL_OK || !runs) {
+	uint32_t place;
+	eskel_status status = look_up(b, voxel, &place, error);
+	if (status != ESKEL_OK || place == no_place) {
 		advance(b, count);
 		return status;
 	}
@@ -195,31 +223,31 @@ static eskel_status add_stretch(esk_run_builder *b, int32_t label, size_t count,
 		size_t rest_of_row = b->extent[0] - b->x;
 		size_t length = count < rest_of_row ? count : rest_of_row;
 		eskel_run run = {(uint16_t)b->x, (uint16_t)(b->x + length - 1), (uint16_t)b->y, (uint16_t)b->z};
-		status = add_run(b, runs, run, error);
+		status = add_run(b, &b->table.items[place], run, error);
 		advance(b, length);
 		count -= length;
 	}
 	return status;
 }
 
-eskel_status esk_run_builder_add(esk_run_builder *builder, const uint8_t *voxels, size_t count, eskel_error *error)
+eskel_status esk_run_builder_add(esk_run_builder *b, const uint8_t *voxels, size_t count, eskel_error *error)
 {
-	const unsigned voxel_size = builder->format.size;
-	const uint8_t *end = voxels + count * voxel_size;
-	while (voxels < end) {
-		int32_t label;
-		double value;
-		if (!esk_voxel_label(&builder->format, voxels, &label, &value))
-			return esk_error_set(error, ESKEL_BAD_VALUE,
-				"voxel (%u, %u, %u) is %.10g, expected an integer between -2^31 and 2^31", builder->x,
-				builder->y, builder->z, value);
-		size_t bytes = equal_bytes(voxels, (size_t)(end - voxels), voxel_size);
-		eskel_status status = add_stretch(builder, label, bytes / voxel_size, error);
-		if (status != ESKEL_OK)
-			return status;
-		voxels += bytes;
+	const unsigned size = b->format.size, bits = (unsigned)__builtin_ctz(size); /* a shift divides by the size */
+	const size_t end = count * size;
+	size_t begin = 0; /* of the stretch */
+	eskel_status status = ESKEL_OK;
+	for (size_t piece = size; piece < end && status == ESKEL_OK; piece += piece_size) {
+		size_t length = end - piece < piece_size ? end - piece : piece_size;
+		size_t changes = esk_changes_find(voxels + piece, length, size, b->changes);
+		for (size_t i = 0; i < changes && status == ESKEL_OK; i++) {
+			size_t change = piece + b->changes[i];
+			status = add_stretch(b, voxels + begin, (change - begin) >> bits, error);
+			begin = change;
+		}
 	}
-	return ESKEL_OK;
+	if (status == ESKEL_OK && begin < end)
+		status = add_stretch(b, voxels + begin, (end - begin) >> bits, error);
+	return status;
 }
 
 const esk_label_table *esk_run_builder_finish(esk_run_builder *builder)
