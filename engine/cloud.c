@@ -85,7 +85,9 @@ static eskel_status permute(esk_spans *spans, const int axis[3], eskel_error *er
 	int order[3] = {0, 1, 2}; /* the input axes that x, y and z now run along */
 	if (axis[0] == 2) {
 		esk_spans_swap_yz(spans);
-		esk_spans_sort(spans);
+		eskel_status status = esk_spans_sort(spans, error);
+		if (status != ESKEL_OK)
+			return status;
 		order[1] = 2;
 		order[2] = 1;
 	}
@@ -108,7 +110,7 @@ static uint16_t place(uint16_t index, int a, const esk_orientation *o, const box
 }
 
 /* Turns permuted spans so that the box starts at 0 and reversed axes run forwards. */
-static void reposition(esk_spans *spans, const esk_orientation *o, const box *b)
+static eskel_status reposition(esk_spans *spans, const esk_orientation *o, const box *b, eskel_error *error)
 {
 	for (size_t i = 0; i < spans->count; i++) {
 		esk_span *s = &spans->items[i];
@@ -118,7 +120,7 @@ static void reposition(esk_spans *spans, const esk_orientation *o, const box *b)
 		s->y = place(s->y, 1, o, b);
 		s->z = place(s->z, 2, o, b);
 	}
-	esk_spans_sort(spans);
+	return esk_spans_sort(spans, error);
 }
 
 static eskel_status make_canonical(esk_spans *spans, eskel_affine *affine, uint16_t extent[3], eskel_error *error)
@@ -139,7 +141,7 @@ static eskel_status make_canonical(esk_spans *spans, eskel_affine *affine, uint1
 	*affine = esk_orientation_apply(&o, affine, origin);
 	eskel_status status = permute(spans, o.axis, error);
 	if (status == ESKEL_OK)
-		reposition(spans, &o, &b);
+		status = reposition(spans, &o, &b, error);
 	return status;
 }
 

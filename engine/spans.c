@@ -1,9 +1,12 @@
 /* Lists of weighted runs.
  *
+ * They are sorted by the bytes of their positions, the lowest first (radix sort): a pass over the list for each byte that
+ * differs, most often three.
+ *
  * Changing the run axis does not go through voxels. Seen along y, a run begins at (x, y) where row y has a weight at x
  * that row y - 1 has not, and ends where row y + 1 has not. So the beginnings are the interval difference of each row
  * and the row before it, the ends that of each row and the row after it, and along one y column they alternate: sorted,
- * the n-th beginning belongs to the n-th end. The cost is O(n log n) in the runs that go in and come out.
+ * the n-th beginning belongs to the n-th end. The cost is in proportion to the runs that go in and come out.
  */
 #include "spans.h"
 
@@ -39,21 +42,64 @@ static uint64_t position(const esk_span *s)
 	return (uint64_t)s->z << 32 | (uint64_t)s->y << 16 | s->x_first;
 }
 
-static int compare_positions(const void *a, const void *b)
+/* Decoders deliver runs in order, so most lists are sorted already. */
+static bool is_sorted(const esk_spans *spans)
 {
-	uint64_t p = position(a), q = position(b);
-	return (p > q) - (p < q);
+	for (size_t i = 1; i < spans->count; i++)
+		if (position(&spans->items[i - 1]) > position(&spans->items[i]))
+			return false;
+	return true;
 }
 
-void esk_spans_sort(esk_spans *spans)
+/* Positions have six bytes, of which the lowest is digit 0. */
+enum { digits = 6, digit_values = 256 };
+
+static unsigned digit_of(const esk_span *s, unsigned digit)
 {
-	/* Decoders deliver runs in order, so most lists are sorted already. */
-	for (size_t i = 1; i < spans->count; i++) {
-		if (position(&spans->items[i - 1]) > position(&spans->items[i])) {
-			qsort(spans->items, spans->count, sizeof spans->items[0], compare_positions);
-			return;
-		}
+	return position(s) >> 8 * digit & (digit_values - 1);
+}
+
+static void count_digits(const esk_spans *spans, uint32_t counts[digits][digit_values])
+{
+	for (size_t i = 0; i < spans->count; i++)
+		for (unsigned d = 0; d < digits; d++)
+			counts[d][digit_of(&spans->items[i], d)]++;
+}
+
+/* Orders spans by a digit; those that share it keep their order. */
+static void distribute(
+	const esk_span *from, esk_span *to, size_t count, unsigned digit, const uint32_t counts[digit_values])
+{
+	uint32_t places[digit_values];
+	uint32_t before = 0;
+	for (unsigned v = 0; v < digit_values; v++) {
+		places[v] = before;
+		before += counts[v];
 	}
+	for (size_t i = 0; i < count; i++)
+		to[places[digit_of(&from[i], digit)]++] = from[i];
+}
+
+eskel_status esk_spans_sort(esk_spans *spans, eskel_error *error)
+{
+	if (is_sorted(spans))
+		return ESKEL_OK;
+	esk_span *from = spans->items, *to = esk_memory_array(spans->count, sizeof *to);
+	if (!to)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %zu runs", spans->count);
+	uint32_t counts[digits][digit_values] = {{0}};
+	count_digits(spans, counts);
+	for (unsigned d = 0; d < digits; d++) {
+		if (counts[d][digit_of(from, d)] == spans->count)
+			continue; /* all share it: the high bytes of small grids */
+		distribute(from, to, spans->count, d, counts[d]);
+		esk_span *ordered = to;
+		to = from;
+		from = ordered;
+	}
+	free(to);
+	*spans = (esk_spans){from, spans->count, spans->count};
+	return ESKEL_OK;
 }
 
 static bool same_row(const esk_span *a, const esk_span *b)
@@ -63,7 +109,9 @@ static bool same_row(const esk_span *a, const esk_span *b)
 
 eskel_status esk_spans_join(esk_spans *spans, eskel_error *error)
 {
-	esk_spans_sort(spans);
+	eskel_status status = esk_spans_sort(spans, error);
+	if (status != ESKEL_OK)
+		return status;
 	esk_span *items = spans->items;
 	size_t kept = 0;
 	for (size_t i = 0; i < spans->count; i++) {
@@ -163,9 +211,11 @@ eskel_status esk_spans_swap_xy(esk_spans *spans, eskel_error *error)
 		before = here;
 		here = after;
 	}
+	if (status == ESKEL_OK)
+		status = esk_spans_sort(&beginnings, error);
+	if (status == ESKEL_OK)
+		status = esk_spans_sort(&ends, error);
 	if (status == ESKEL_OK) {
-		esk_spans_sort(&beginnings);
-		esk_spans_sort(&ends);
 		for (size_t i = 0; i < beginnings.count; i++)
 			beginnings.items[i].x_last = ends.items[i].x_first;
 		esk_spans_free(spans);

@@ -19,7 +19,7 @@ void esk_spans_free(esk_spans *spans);
 eskel_status esk_spans_add(esk_spans *spans, esk_span span, eskel_error *error);
 
 /* By (z, y, x_first). */
-void esk_spans_sort(esk_spans *spans);
+eskel_status esk_spans_sort(esk_spans *spans, eskel_error *error);
 
 /* Sorts and joins spans of equal weight that touch. ESKEL_INVALID if any two overlap. */
 eskel_status esk_spans_join(esk_spans *spans, eskel_error *error);
