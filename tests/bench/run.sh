@@ -24,6 +24,7 @@ ours=$folder/tests/bench
 inputs=$folder/inputs
 results=$folder/results
 peers=tests/bench/peers
+atlases=/usr/share/mricron/templates # of mricron-data
 
 # ---- build
 
@@ -31,7 +32,7 @@ cmake -S . -B $folder -G Ninja -DCMAKE_BUILD_TYPE=Release -DESKEL_TESTS=ON >/dev
 cmake --build $folder --target eskeld bench_partition bench_skeleton bench_match bench_search bench_decode bench_enroll \
 	bench_inputs bench_fill -- --quiet
 c++ -O2 $peers/matching.cpp -o $folder/peer_matching -llemon
-cc -O2 -D_GNU_SOURCE -I/usr/include/nifti $peers/decoding.c -o $folder/peer_decoding -lniftiio -lz
+cc -O2 -D_GNU_SOURCE -I/usr/include/nifti $peers/decoding.c -o $folder/peer_decoding -lniftiio -lisal -lz
 
 # ---- inputs, made once: delete the folder to make them anew
 
@@ -54,7 +55,7 @@ partition() {
 }
 
 atlas() {
-	aal=/usr/share/mricron/templates/aal.nii.gz
+	aal=$atlases/aal.nii.gz
 	$ours/bench_skeleton atlas/aal-116 $aal 16 whole
 	$ours/bench_skeleton atlas/aal-116 $aal 10 whole
 	/usr/bin/python3 $peers/clustering.py atlas/aal-116 $aal
@@ -91,11 +92,13 @@ search() {
 
 decode() {
 	need maps
-	for map in uint8 uint16; do
-		$ours/bench_decode decode/$map $inputs/$map.nii.gz
-		$folder/peer_decoding inflate decode/$map $inputs/$map.nii.gz
-		$folder/peer_decoding nifti decode/$map $inputs/$map.nii.gz
-		/usr/bin/python3 $peers/decoding.py decode/$map $inputs/$map.nii.gz
+	for map in $inputs/uint8 $inputs/uint16 $atlases/aal $atlases/jhu189; do
+		figure=decode/${map##*/}
+		$ours/bench_decode "$figure" "$map.nii.gz"
+		for peer in isal zlib nifti; do
+			$folder/peer_decoding $peer "$figure" "$map.nii.gz"
+		done
+		/usr/bin/python3 $peers/decoding.py "$figure" "$map.nii.gz"
 	done
 }
 
