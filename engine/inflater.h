@@ -1,6 +1,7 @@
 /* Deflated data (RFC 1951) inflated as they arrive, and the checksum that gzip keeps of them. ISA-L does both
- * (inflater_isal.c), or zlib where the build found no ISA-L (inflater_zlib.c), more slowly. The two differ in one case:
- * zlib refuses a block whose code leaves bit patterns without a meaning, ISA-L only data that use one. */
+ * (inflater_isal.c), or zlib where the build found no ISA-L (inflater_zlib.c), more slowly. The two differ in bad data
+ * alone: zlib refuses a block whose code leaves bit patterns without a meaning, ISA-L only data that use one; and ISA-L
+ * may keep back the last two bytes before the end of what has arrived, which only shows where data break off. */
 #ifndef ESK_INFLATER_H
 #define ESK_INFLATER_H
 

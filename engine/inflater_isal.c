@@ -1,8 +1,8 @@
 /* ISA-L differs from what inflater.h promises at the end of a stream and at a fault.
  *
  * It reads whole words, so at the end of a stream it has taken up to a word too much, which is given back. All of that
- * belongs to the piece of input that it was last given: every piece before was used up, but for the first bits of a
- * symbol.
+ * belongs to the piece of input that it was last given: every piece before was used up, but for symbols that the
+ * piece's end made incomplete.
  *
  * At a fault its fast loop may count bytes as written that it has not (it counts a copy before it looks whether the
  * copy is possible). Only its other loop, for the end of a piece, where there is no whole word to read, stops right at a

@@ -3,7 +3,7 @@
  * Each stage keeps only what it cannot yet pass on: the inflater a fixed window, the header stage the header's bytes,
  * the voxel stage the broken-off voxel at the end of a piece. So memory is bounded by the runs, and the result,
  * including which error a bad file gives, does not depend on how the file was cut: each stage sees every byte before
- * the fault and none after it.
+ * the fault and none after it. (But for two bytes where gzip data break off: see inflater.h.)
  *
  * A further format is one more esk_header_reader (volume_format.h) in the list below.
  */
@@ -22,7 +22,8 @@ static const uint64_t default_most_voxels = (uint64_t)1 << 33;
 static const size_t default_most_runs = (size_t)1 << 27;
 static const uint32_t default_most_labels = 4096;
 
-/* Inflated bytes are scanned while they are still in the second-level cache. */
+/* Inflated bytes are scanned while they are still in the second-level cache. A window costs the inflater a copy of the
+ * 32 KB before it, so it is not small. */
 enum { window_size = 1 << 18, shortest_header = 4, largest_voxel = 8 };
 
 static esk_header_reader *const header_readers[] = {esk_nifti_read_header};
