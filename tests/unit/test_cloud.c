@@ -293,6 +293,33 @@ static void a_canonical_cloud_is_its_own_canonical_cloud(void **state)
 	}
 }
 
+static int compare_runs(const void *a, const void *b)
+{
+	const eskel_run *p = a, *q = b;
+	return p->z != q->z ? p->z - q->z : p->y != q->y ? p->y - q->y : p->x_first - q->x_first;
+}
+
+static void runs_of_a_large_grid_may_come_in_any_order(void **state)
+{
+	(void)state;
+	enum { count = 3000 };
+	eskel_run runs[count], sorted[count];
+	const eskel_affine identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+	uint64_t seed = 9;
+	for (size_t i = 0; i < count; i++) {
+		uint16_t x = (uint16_t)(20 * i); /* apart from one another */
+		uint16_t y = (uint16_t)(random_number(&seed) % 60000), z = (uint16_t)(random_number(&seed) % 300);
+		runs[i] = sorted[i] = (eskel_run){x, (uint16_t)(x + 9), y, z};
+	}
+	qsort(sorted, count, sizeof sorted[0], compare_runs);
+	eskel_cloud *cloud = NULL, *expected = NULL;
+	assert_int_equal(eskel_cloud_new(runs, NULL, count, &identity, &cloud, NULL), ESKEL_OK);
+	assert_int_equal(eskel_cloud_new(sorted, NULL, count, &identity, &expected, NULL), ESKEL_OK);
+	assert_equal_clouds(cloud, expected);
+	eskel_cloud_free(expected);
+	eskel_cloud_free(cloud);
+}
+
 static void touching_runs_join_when_they_weigh_the_same(void **state)
 {
 	(void)state;
@@ -538,6 +565,7 @@ int main(void)
 		cmocka_unit_test(a_mirror_image_stays_mirrored),
 		cmocka_unit_test(the_affine_is_rounded_and_has_no_negative_zero),
 		cmocka_unit_test(a_canonical_cloud_is_its_own_canonical_cloud),
+		cmocka_unit_test(runs_of_a_large_grid_may_come_in_any_order),
 		cmocka_unit_test(touching_runs_join_when_they_weigh_the_same),
 		cmocka_unit_test(unusable_runs_are_refused_with_their_values),
 		cmocka_unit_test(volume_is_voxels_times_determinant),
