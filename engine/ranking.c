@@ -67,8 +67,8 @@ const esk_ranked *esk_ranked_last(const esk_ranked *all, size_t n)
  * digit, so that the others cost little. */
 float esk_candidates_nth(const esk_candidate *all, size_t count, size_t n)
 {
-	static const uint32_t shifts[] = {18, 9, 0}, digits[] = {1 << 13, 1 << 9, 1 << 9};
-	uint32_t counts[1 << 13], found = 0, known = 0;
+	static const uint32_t shifts[] = {20, 10, 0}, digits[] = {1 << 11, 1 << 10, 1 << 10};
+	uint32_t counts[1 << 11], found = 0, known = 0;
 	for (int d = 0; d < 3; d++) {
 		memset(counts, 0, digits[d] * sizeof *counts);
 		for (size_t i = 0; i < count; i++) {
@@ -140,6 +140,15 @@ void esk_nearest_offer(esk_nearest *nearest, esk_ranked candidate)
 		nearest->items[0] = candidate;
 		sift_down(nearest->items, nearest->count);
 	}
+}
+
+bool esk_nearest_takes(const esk_nearest *nearest, const esk_ranked *candidate, uint32_t *row)
+{
+	const bool full = nearest->count == nearest->wanted;
+	if (full && !esk_ranked_before(candidate, &nearest->items[0]))
+		return false;
+	*row = full ? nearest->items[0].row : (uint32_t)nearest->count;
+	return true;
 }
 
 double esk_nearest_threshold(const esk_nearest *nearest)

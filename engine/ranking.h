@@ -10,7 +10,8 @@
 typedef struct {
 	double distance;
 	int64_t key;
-	uint32_t id; /* in the snapshot */
+	uint32_t id;  /* in the snapshot */
+	uint32_t row; /* whatever else is known of it, where the caller keeps that */
 } esk_ranked;
 
 static inline bool esk_ranked_before(const esk_ranked *a, const esk_ranked *b)
@@ -43,6 +44,8 @@ typedef struct {
 bool esk_nearest_init(esk_nearest *nearest, size_t wanted);
 void esk_nearest_clear(esk_nearest *nearest);
 void esk_nearest_offer(esk_nearest *nearest, esk_ranked candidate);
+/* Whether it would be taken; then *row, below wanted, is one that no other has. */
+bool esk_nearest_takes(const esk_nearest *nearest, const esk_ranked *candidate, uint32_t *row);
 
 /* Nothing farther than this can still be taken; infinite until all wanted are there. */
 double esk_nearest_threshold(const esk_nearest *nearest);

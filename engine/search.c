@@ -7,6 +7,7 @@
 #include "memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { default_limit = 5 };
 
@@ -45,12 +46,18 @@ static eskel_status choose_participants(esk_search *search, const eskel_search_o
 	return ESKEL_OK;
 }
 
-void esk_search_answer(esk_search *search, uint32_t id, double distance)
+void esk_search_answer(esk_search *search, uint32_t id, double distance, const double *levels)
 {
-	esk_nearest_offer(&search->answer, (esk_ranked){distance, esk_snapshot_key(&search->snapshot, id), id});
+	esk_ranked found = {.distance = distance, .key = esk_snapshot_key(&search->snapshot, id), .id = id};
+	if (!esk_nearest_takes(&search->answer, &found, &found.row))
+		return;
+	const uint32_t depth = esk_query_depth(&search->query, esk_snapshot_shape(&search->snapshot, id));
+	if (search->query.summed)
+		memcpy(search->levels[found.row], levels, depth * sizeof *levels);
+	esk_nearest_offer(&search->answer, found);
 }
 
-/* The answer in order, each with its D_k. */
+/* The answer in order, each with its D_k. When levels are not summed, only one of them has been computed. */
 static eskel_status write_neighbours(esk_search *search)
 {
 	eskel_search_result *result = search->result;
@@ -61,11 +68,16 @@ static eskel_status write_neighbours(esk_search *search)
 	esk_ranked_sort(answer->items, answer->count);
 	result->count = answer->count;
 	for (size_t n = 0; n < answer->count; n++) {
-		const esk_shape *shape = esk_snapshot_shape(&search->snapshot, answer->items[n].id);
+		const esk_ranked *found = &answer->items[n];
+		const esk_shape *shape = esk_snapshot_shape(&search->snapshot, found->id);
 		eskel_neighbour *neighbour = &result->neighbours[n];
-		neighbour->key = answer->items[n].key;
-		neighbour->distance = esk_query_distance(&search->query, shape, neighbour->levels);
+		neighbour->key = found->key;
+		neighbour->distance = found->distance;
 		neighbour->level_count = esk_query_depth(&search->query, shape);
+		if (search->query.summed)
+			memcpy(neighbour->levels, search->levels[found->row], neighbour->level_count * sizeof(double));
+		else
+			esk_query_distance(&search->query, shape, neighbour->levels);
 	}
 	return ESKEL_OK;
 }
@@ -87,7 +99,8 @@ static eskel_status run(esk_search *search, const eskel_signature *signature, co
 		search->result->proven = true;
 		return ESKEL_OK;
 	}
-	if (!esk_nearest_init(&search->answer, limit))
+	search->levels = esk_memory_array(limit, sizeof *search->levels);
+	if (!search->levels || !esk_nearest_init(&search->answer, limit))
 		return ESKEL_NO_MEMORY;
 	if (options->mode == ESKEL_SEARCH_EXACT)
 		status = esk_search_exact(search);
@@ -108,6 +121,7 @@ eskel_status eskel_library_search(const eskel_library *library, const eskel_sign
 	esk_search search = {.snapshot = esk_library_snapshot(library), .result = made};
 	eskel_status status = run(&search, query, &chosen);
 	esk_nearest_clear(&search.answer);
+	free(search.levels);
 	free(search.participants);
 	esk_query_clear(&search.query);
 	esk_shape_release(search.shape);

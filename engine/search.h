@@ -12,8 +12,9 @@ typedef struct {
 	esk_query query;
 	uint64_t (*participants)[ESK_CHUNK_WORDS]; /* for each chunk a bit for each slot */
 	size_t participant_count;
-	esk_nearest answer;          /* filled by the mode */
-	eskel_search_result *result; /* steps, kept, compared and proven are written by the mode */
+	esk_nearest answer;                 /* filled by the mode */
+	double (*levels)[ESKEL_LEVELS_MAX]; /* D_k of each in the answer, by its row, when levels are summed */
+	eskel_search_result *result;        /* steps, kept, compared and proven are written by the mode */
 } esk_search;
 
 static inline bool esk_search_takes(const esk_search *search, uint32_t chunk, uint32_t slot)
@@ -114,8 +115,8 @@ static inline void esk_search_ask_level(const esk_search *search, uint32_t id, u
 	__builtin_prefetch((const char *)(shape->numbers + numbers) + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1) / 2);
 }
 
-/* Takes a shape's distance into the answer. */
-void esk_search_answer(esk_search *search, uint32_t id, double distance);
+/* Takes a shape's distance into the answer, with its D_k, which are read when levels are summed. */
+void esk_search_answer(esk_search *search, uint32_t id, double distance, const double *levels);
 
 /* Both fail only when memory runs out. */
 eskel_status esk_search_pruned(esk_search *search);

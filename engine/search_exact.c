@@ -75,7 +75,7 @@ static void offer_scouts(const walk *w, uint32_t chunk, esk_nearest *scouts)
 	choose_slots(w, chunk, esk_nearest_threshold(scouts), &chosen);
 	for (uint32_t i = 0; i < chosen.count; i++) {
 		const uint32_t id = esk_snapshot_id(chunk, chosen.slots[i]);
-		esk_nearest_offer(scouts, (esk_ranked){(double)w->bounds[id], id, id});
+		esk_nearest_offer(scouts, (esk_ranked){.distance = (double)w->bounds[id], .key = id, .id = id});
 	}
 }
 
@@ -221,7 +221,7 @@ static void match_levels(walk *w, uint32_t id)
 		if (k < depth && esk_bound_of_levels(query, shape, levels) > threshold(w))
 			return;
 	}
-	esk_search_answer(w->search, id, esk_query_combine(query, shape, levels));
+	esk_search_answer(w->search, id, esk_query_combine(query, shape, levels), levels);
 	w->search->result->compared++;
 }
 

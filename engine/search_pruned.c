@@ -77,8 +77,9 @@ static bool measure(walk *w, const esk_candidate *some, size_t count, uint32_t l
 		if (i + ESK_SEARCH_AHEAD < count)
 			esk_search_ask_level(w->search, some[i + ESK_SEARCH_AHEAD].id, level);
 		const uint32_t id = some[i].id;
-		w->measured[i] =
-			(esk_ranked){step_distance(w, id, level), esk_snapshot_key(&w->search->snapshot, id), id};
+		w->measured[i] = (esk_ranked){.distance = step_distance(w, id, level),
+			.key = esk_snapshot_key(&w->search->snapshot, id),
+			.id = id};
 	}
 	w->measured_count = count;
 	return true;
@@ -175,16 +176,16 @@ static void list(walk *w, float enough, uint32_t stride)
 	}
 }
 
-/* How near the shapes are that stay, guessed from those of a few chunks: not to list all is worth a second look when the guess
- * was too low. */
+/* How near the shapes are that stay, guessed from those of some chunks, so that few others are listed. Shapes that were added
+ * together are often alike, so the guess is generous. */
 static float guess(walk *w, size_t keep)
 {
-	enum { sampled = 64 };
-	const uint32_t stride = w->search->snapshot.directory->chunk_count / sampled;
-	if (stride < 2)
+	enum { least_chunks = 8, sampled = 64 };
+	const uint32_t chunks = w->search->snapshot.directory->chunk_count, stride = chunks / sampled;
+	if (chunks < least_chunks)
 		return FLT_MAX;
-	list(w, FLT_MAX, stride);
-	const size_t rank = (size_t)(1.25 * (double)keep / (double)w->search->participant_count * (double)w->count);
+	list(w, FLT_MAX, stride < 2 ? 2 : stride);
+	const size_t rank = (size_t)(1.3 * (double)keep / (double)w->search->participant_count * (double)w->count);
 	return rank < w->count ? esk_candidates_nth(w->all, w->count, rank) : FLT_MAX;
 }
 
@@ -264,7 +265,10 @@ static void compare(walk *w)
 	for (size_t n = 0; n < w->count; n++) {
 		const uint32_t id = w->all[n].id;
 		const esk_shape *shape = esk_snapshot_shape(&w->search->snapshot, id);
-		esk_search_answer(w->search, id, esk_query_distance(&w->search->query, shape, NULL));
+		double levels[ESKEL_LEVELS_MAX];
+		const double distance =
+			esk_query_distance(&w->search->query, shape, w->search->query.summed ? levels : NULL);
+		esk_search_answer(w->search, id, distance, levels);
 	}
 	w->search->result->compared = w->count;
 	w->search->result->proven = w->count == w->search->participant_count;

@@ -221,36 +221,93 @@ static void the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limi
 	free_shelf(&s);
 }
 
-/* The steps of section 5.3, by sorting. */
+/* The steps of section 5.3, by sorting. free() the pairs. */
+static pair *prune_by_sorting(const shelf *s, const eskel_signature *query, const eskel_distance_options *options)
+{
+	pair *left = search_exhaustively(s, query, options);
+	size_t count = s->count;
+	for (uint32_t level = 1; count > 10; level++) {
+		eskel_distance_options step = *options;
+		step.distance = ESKEL_DISTANCE_LEVEL;
+		step.level = level;
+		for (size_t n = 0; n < count; n++)
+			assert_int_equal(eskel_distance(query, s->signatures[left[n].key / 10], &step,
+						 &left[n].distance, NULL, NULL),
+				ESKEL_OK);
+		qsort(left, count, sizeof *left, by_distance_then_key);
+		count = count > 100 ? (count + 9) / 10 : 10;
+	}
+	for (size_t n = 0; n < count; n++)
+		assert_int_equal(
+			eskel_distance(query, s->signatures[left[n].key / 10], options, &left[n].distance, NULL, NULL),
+			ESKEL_OK);
+	qsort(left, count, sizeof *left, by_distance_then_key);
+	return left;
+}
+
+static void assert_prunes_by_sorting(const shelf *s, const eskel_signature *query, int options)
+{
+	const eskel_search_options chosen = {.distance = combination(options), .mode = ESKEL_SEARCH_PRUNED};
+	pair *expected = prune_by_sorting(s, query, &chosen.distance);
+	eskel_search_result *result = search(s, query, &chosen);
+	assert_is_answer(result, expected, 5, options);
+	eskel_search_result_free(result);
+	free(expected);
+}
+
 static void the_pruned_search_takes_the_steps_of_the_paper(void **state)
 {
 	(void)state;
 	shelf s = make_shelf(700, 70, 0.3, 3);
-	for (int o = 0; o < combinations; o++) {
-		eskel_search_options options = {.distance = combination(o), .mode = ESKEL_SEARCH_PRUNED};
-		pair *left = search_exhaustively(&s, s.signatures[8], &options.distance);
-		size_t count = s.count;
-		for (uint32_t level = 1; count > 10; level++) {
-			eskel_distance_options step = options.distance;
-			step.distance = ESKEL_DISTANCE_LEVEL;
-			step.level = level;
-			for (size_t n = 0; n < count; n++)
-				assert_int_equal(eskel_distance(s.signatures[8], s.signatures[left[n].key / 10], &step,
-							 &left[n].distance, NULL, NULL),
-					ESKEL_OK);
-			qsort(left, count, sizeof *left, by_distance_then_key);
-			count = count > 100 ? (count + 9) / 10 : 10;
+	for (int o = 0; o < combinations; o++)
+		assert_prunes_by_sorting(&s, s.signatures[8], o);
+	free_shelf(&s);
+}
+
+/* Shapes come in batches of like ones, so that every second chunk has all that are near. */
+static void the_pruned_search_does_not_depend_on_the_order_in_which_shapes_were_added(void **state)
+{
+	(void)state;
+	enum { count = 9 * 512, batch = 512 };
+	for (size_t near = 0; near < 2; near++) {
+		shelf s = {.count = count, .signatures = calloc(count, sizeof *s.signatures)};
+		assert_int_equal(eskel_library_new(&s.library), ESKEL_OK);
+		for (size_t n = 0; n < count; n++) {
+			const bool is_near = n / batch % 2 == near;
+			s.signatures[n] = synthetic_signature(is_near ? 1 : 2 + n % 50, n, 0.3, 4);
+			assert_int_equal(eskel_library_add(s.library, key_of(n), s.signatures[n]), ESKEL_OK);
 		}
-		for (size_t n = 0; n < count; n++)
-			assert_int_equal(eskel_distance(s.signatures[8], s.signatures[left[n].key / 10],
-						 &options.distance, &left[n].distance, NULL, NULL),
-				ESKEL_OK);
-		qsort(left, count, sizeof *left, by_distance_then_key);
-		eskel_search_result *result = search(&s, s.signatures[8], &options);
-		assert_is_answer(result, left, 5, o);
-		eskel_search_result_free(result);
-		free(left);
+		eskel_signature *query = synthetic_signature(1, count, 0.3, 4);
+		for (int o = 0; o < 4; o++)
+			assert_prunes_by_sorting(&s, query, o);
+		eskel_signature_free(query);
+		free_shelf(&s);
 	}
+}
+
+/* Longer than the codes of the columns can say; some in the library, and the query. */
+static void shapes_beyond_the_codes_are_found_all_the_same(void **state)
+{
+	(void)state;
+	enum { count = 400 };
+	shelf s = {.count = count, .signatures = calloc(count, sizeof *s.signatures)};
+	assert_int_equal(eskel_library_new(&s.library), ESKEL_OK);
+	for (size_t n = 0; n < count; n++) {
+		s.signatures[n] = synthetic_signature(n % 40, n, 0.2, n % 7 ? 16 : 3);
+		for (size_t row = 0; n % 5 == 0 && row < ESKEL_NODES(s.signatures[n]->level_count); row++)
+			s.signatures[n]->rows[row][n % 4] *= 1e7;
+		assert_int_equal(eskel_library_add(s.library, key_of(n), s.signatures[n]), ESKEL_OK);
+	}
+	for (int o = 0; o < combinations; o++)
+		for (size_t q = 10; q < 13; q++) {
+			eskel_search_options options = {.distance = combination(o)};
+			pair *expected = search_exhaustively(&s, s.signatures[q], &options.distance);
+			eskel_search_result *result = search(&s, s.signatures[q], &options);
+			assert_is_answer(result, expected, 5, o);
+			eskel_search_result_free(result);
+			free(expected);
+			assert_prunes_by_sorting(&s, s.signatures[q], o);
+		}
 	free_shelf(&s);
 }
 
@@ -463,6 +520,8 @@ int main(void)
 		cmocka_unit_test(the_exact_search_compares_few_of_a_clustered_library),
 		cmocka_unit_test(the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limit),
 		cmocka_unit_test(the_pruned_search_takes_the_steps_of_the_paper),
+		cmocka_unit_test(the_pruned_search_does_not_depend_on_the_order_in_which_shapes_were_added),
+		cmocka_unit_test(shapes_beyond_the_codes_are_found_all_the_same),
 		cmocka_unit_test(the_pruned_search_of_ten_shapes_compares_them_all),
 		cmocka_unit_test(the_pruned_search_finds_most_nearest_neighbours),
 		cmocka_unit_test(equal_distances_are_ordered_by_key),
