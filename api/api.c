@@ -10,6 +10,7 @@
 #define MOST_RUNS ((uint64_t)1 << 24)
 #define MOST_LABELS 1024
 #define MOST_DISTANCES 4000000
+#define MOST_KNOWN_BYTES ((uint64_t)2 << 30)
 
 /* Signatures between two calls of loading: a progress bar needs no more, and a call may draw one. */
 #define LOADING_STEP 4096
@@ -68,6 +69,8 @@ static void set_defaults(eskel_api_options *options)
 		options->most_labels = MOST_LABELS;
 	if (options->most_distances == 0)
 		options->most_distances = MOST_DISTANCES;
+	if (options->most_known_bytes == 0)
+		options->most_known_bytes = MOST_KNOWN_BYTES;
 }
 
 /* A deletion that waits goes before enrollments that come later, or it might wait for ever. */
@@ -94,6 +97,10 @@ eskel_store_status eskel_api_open(
 	if (status == ESKEL_STORE_OK)
 		status = fill_library(opened, error);
 	if (status == ESKEL_STORE_OK)
+		opened->known = esk_known_new(opened->store, opened->options.most_known_bytes);
+	if (status == ESKEL_STORE_OK && !opened->known)
+		status = refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
+	if (status == ESKEL_STORE_OK)
 		*api = opened;
 	else
 		eskel_api_close(opened);
@@ -104,6 +111,7 @@ void eskel_api_close(eskel_api *api)
 {
 	if (!api)
 		return;
+	esk_known_free(api->known);
 	eskel_library_free(api->library);
 	eskel_store_close(api->store);
 	pthread_rwlock_destroy(&api->changing);

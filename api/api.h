@@ -3,10 +3,12 @@
 #define ESK_API_H
 
 #include "eskel_api.h"
+#include "known.h"
 
 #include <pthread.h>
 
-/* The store is the truth and the library its signatures in memory, under the same keys. A change of both is not one step:
+/* The store is the truth, the library its signatures in memory under the same keys, and known what recognitions have
+ * read of it. A change of both is not one step:
  * whoever enrolls shares the lock changing from its last look at the store until the library follows, whoever patches or
  * deletes has it alone. So an enrollment and a deletion of one shape cannot cross, and enrollments still meet in one
  * commit of the store. Nobody who only reads takes it: a reader may see a key of the library that the store has just
@@ -14,6 +16,7 @@
 struct eskel_api {
 	eskel_store *store;
 	eskel_library *library;
+	esk_known *known;
 	pthread_rwlock_t changing;
 	eskel_api_options options;
 };

@@ -97,10 +97,12 @@ static void take_back(eskel_exchange *exchange, enrolling *work, size_t count)
 {
 	for (size_t i = 0; i < work->analysed_count; i++) {
 		int64_t key;
-		if (work->created[i] && i < count)
+		if (!work->created[i])
+			continue;
+		if (i < count)
 			eskel_library_remove(exchange->api->library, work->enrolled[i].key);
-		if (work->created[i])
-			eskel_store_delete(exchange->api->store, exchange->actor, work->enrolled[i].id, 0, &key, NULL);
+		eskel_store_delete(exchange->api->store, exchange->actor, work->enrolled[i].id, 0, &key, NULL);
+		esk_known_drop(exchange->api->known, work->enrolled[i].key);
 	}
 }
 

@@ -51,32 +51,7 @@ static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice 
 	return esk_problem_engine(problem, status, NULL);
 }
 
-/* Reads what is stored of a neighbour and compares handedness. */
-static eskel_store_status read_neighbour(eskel_api *api, const esk_unknown *unknown, bool explain,
-	esk_neighbour *neighbour, eskel_status *computed, eskel_store_error *error)
-{
-	eskel_skeleton *skeleton = NULL;
-	int64_t key = neighbour->found->key;
-	eskel_store_status status = eskel_store_shape_by_key(api->store, key, &neighbour->shape, error);
-	if (status == ESKEL_STORE_OK)
-		status = eskel_store_skeleton(api->store, key, &skeleton, error);
-	if (status == ESKEL_STORE_OK && explain)
-		status = eskel_store_signature(api->store, key, &neighbour->signature, error);
-	if (status == ESKEL_STORE_OK)
-		*computed = eskel_chirality_compare(unknown->skeleton, skeleton, &neighbour->chirality);
-	eskel_skeleton_free(skeleton);
-	return status;
-}
-
-static void clear_neighbour(esk_neighbour *neighbour)
-{
-	eskel_signature_free(neighbour->signature);
-	eskel_shape_clear(&neighbour->shape);
-	*neighbour = (esk_neighbour){0};
-}
-
-static bool gather(
-	eskel_api *api, const esk_unknown *unknown, bool explain, esk_recognition *recognition, esk_problem *problem)
+static bool gather(eskel_api *api, const esk_unknown *unknown, esk_recognition *recognition, esk_problem *problem)
 {
 	const eskel_search_result *found = recognition->search;
 	recognition->neighbours = calloc(found->count + 1, sizeof *recognition->neighbours);
@@ -84,18 +59,19 @@ static bool gather(
 		return esk_problem_no_memory(problem);
 	for (size_t i = 0; i < found->count; i++) {
 		esk_neighbour *neighbour = &recognition->neighbours[recognition->count];
-		eskel_status computed = ESKEL_OK;
 		eskel_store_error error = {0};
-		neighbour->found = &found->neighbours[i];
-		eskel_store_status status = read_neighbour(api, unknown, explain, neighbour, &computed, &error);
-		if (status == ESKEL_STORE_OK && computed == ESKEL_OK) {
-			recognition->count++;
+		eskel_store_status status =
+			esk_known_by_key(api->known, found->neighbours[i].key, &neighbour->known, &error);
+		if (status == ESKEL_STORE_NOT_FOUND)
 			continue;
-		}
-		clear_neighbour(neighbour);
-		if (status != ESKEL_STORE_NOT_FOUND)
-			return esk_problem_store(problem, status, &error) &&
-			       esk_problem_engine(problem, computed, NULL);
+		if (!esk_problem_store(problem, status, &error))
+			return false;
+		neighbour->found = &found->neighbours[i];
+		recognition->count++;
+		eskel_status compared =
+			eskel_chirality_compare(unknown->placement, neighbour->known->placement, &neighbour->chirality);
+		if (!esk_problem_engine(problem, compared, NULL))
+			return false;
 	}
 	return true;
 }
@@ -108,7 +84,7 @@ static void vote(const eskel_description *recorded, esk_recognition *recognition
 		const esk_neighbour *neighbour = &recognition->neighbours[i];
 		votes[i] = (esk_vote){
 			.distance = neighbour->found->distance,
-			.said = &neighbour->shape.description,
+			.said = &neighbour->known->shape.description,
 			.handed = neighbour->chirality.verdict,
 			.chirality_score = neighbour->chirality.score,
 		};
@@ -119,17 +95,16 @@ static void vote(const eskel_description *recorded, esk_recognition *recognition
 bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
 	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem)
 {
-	if (!search(api, unknown, choice, query, recognition, problem) ||
-		!gather(api, unknown, query->explain, recognition, problem))
+	if (!search(api, unknown, choice, query, recognition, problem) || !gather(api, unknown, recognition, problem))
 		return false;
 	vote(&unknown->shape->description, recognition);
 	return true;
 }
 
-void esk_recognition_clear(esk_recognition *recognition)
+void esk_recognition_clear(eskel_api *api, esk_recognition *recognition)
 {
 	for (size_t i = 0; i < recognition->count; i++)
-		clear_neighbour(&recognition->neighbours[i]);
+		esk_known_release(api->known, recognition->neighbours[i].known);
 	free(recognition->neighbours);
 	eskel_search_result_free(recognition->search);
 	*recognition = (esk_recognition){0};

@@ -11,7 +11,7 @@
 /* What is recognised, borrowed. A stored shape leaves itself out. */
 typedef struct {
 	const eskel_shape *shape;
-	const eskel_skeleton *skeleton;
+	const eskel_placement *placement;
 	const eskel_signature *signature;
 } esk_unknown;
 
@@ -23,9 +23,8 @@ typedef struct {
 
 typedef struct {
 	const eskel_neighbour *found; /* of the search result */
-	eskel_shape shape;
+	const esk_known_shape *known;
 	eskel_chirality chirality;
-	eskel_signature *signature; /* only when differences are asked for */
 } esk_neighbour;
 
 typedef struct {
@@ -41,7 +40,7 @@ void esk_choice_clear(esk_choice *choice);
 
 bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
 	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem);
-void esk_recognition_clear(esk_recognition *recognition);
+void esk_recognition_clear(eskel_api *api, esk_recognition *recognition);
 
 #define ESK_NEIGHBOURS_DEFAULT 5
 #define ESK_NEIGHBOURS_MOST 100

@@ -85,23 +85,24 @@ static bool explain(json_t *json, const eskel_signature *query_signature, const 
 	eskel_match match;
 	if (level > query_signature->level_count)
 		level = query_signature->level_count;
-	if (level > neighbour->signature->level_count)
-		level = neighbour->signature->level_count;
-	if (eskel_match_level(query_signature, neighbour->signature, &options, level, &match) != ESKEL_OK)
+	if (level > neighbour->known->signature->level_count)
+		level = neighbour->known->signature->level_count;
+	if (eskel_match_level(query_signature, neighbour->known->signature, &options, level, &match) != ESKEL_OK)
 		return false;
 	return json_object_set_new(json, "match", match_json(&match)) == 0 &&
 	       json_object_set_new(json, "differences",
-		       differences_json(query_signature, neighbour->signature, &match, options.size)) == 0;
+		       differences_json(query_signature, neighbour->known->signature, &match, options.size)) == 0;
 }
 
 static json_t *neighbour_json(
 	const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_parameters *query)
 {
 	const eskel_neighbour *found = neighbour->found;
-	const eskel_description *said = &neighbour->shape.description;
-	json_t *json = json_pack("{s:s, s:s?, s:s?, s:s?, s:s?, s:o, s:o, s:o}", "id", neighbour->shape.id, "name",
-		said->name, "class", said->class, "side", esk_value_side_text(said->side), "subject", said->subject,
-		"distance", esk_json_real(found->distance), "levels", esk_json_reals(found->levels, found->level_count),
+	const eskel_shape *shape = &neighbour->known->shape;
+	const eskel_description *said = &shape->description;
+	json_t *json = json_pack("{s:s, s:s?, s:s?, s:s?, s:s?, s:o, s:o, s:o}", "id", shape->id, "name", said->name,
+		"class", said->class, "side", esk_value_side_text(said->side), "subject", said->subject, "distance",
+		esk_json_real(found->distance), "levels", esk_json_reals(found->levels, found->level_count),
 		"chirality", chirality_json(&neighbour->chirality));
 	if (json && query->explain && !explain(json, query_signature, neighbour, query)) {
 		json_decref(json);

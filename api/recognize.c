@@ -29,7 +29,7 @@ static bool recognize(eskel_exchange *exchange, const esk_unknown *unknown, cons
 		exchange->api, unknown, choice, &exchange->query, &recognition, &exchange->problem);
 	if (good && json_array_append_new(results, esk_recognition_json(unknown, &recognition, &exchange->query)) != 0)
 		good = esk_problem_no_memory(&exchange->problem);
-	esk_recognition_clear(&recognition);
+	esk_recognition_clear(exchange->api, &recognition);
 	return good;
 }
 
@@ -39,34 +39,30 @@ static bool answer_results(eskel_exchange *exchange, json_t *results)
 	return esk_exchange_answer_json(exchange, 200, json_pack("{s:o}", "results", results));
 }
 
-static bool read_objects(eskel_exchange *exchange, int64_t key, eskel_skeleton **skeleton, eskel_signature **signature)
+static bool know(eskel_exchange *exchange, const char *id, const esk_known_shape **known)
 {
 	eskel_store_error error = {0};
-	eskel_store_status status = eskel_store_skeleton(exchange->api->store, key, skeleton, &error);
-	if (status == ESKEL_STORE_OK)
-		status = eskel_store_signature(exchange->api->store, key, signature, &error);
+	eskel_store_status status = esk_known_by_id(exchange->api->known, id, known, &error);
+	if (status == ESKEL_STORE_NOT_FOUND)
+		return esk_problem_no_shape(&exchange->problem, id);
 	return esk_problem_store(&exchange->problem, status, &error);
 }
 
 bool esk_recognize_shape(eskel_exchange *exchange)
 {
-	eskel_shape shape = {0};
-	eskel_skeleton *skeleton = NULL;
-	eskel_signature *signature = NULL;
+	const esk_known_shape *known = NULL;
 	esk_choice choice = {0};
 	json_t *results = json_array();
-	bool good = esk_shape_of_id(exchange, exchange->query.shape, &shape) &&
-		    read_objects(exchange, shape.key, &skeleton, &signature) &&
+	bool good = know(exchange, exchange->query.shape, &known) &&
 		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
-		    recognize(exchange, &(esk_unknown){&shape, skeleton, signature}, &choice, results);
+		    recognize(exchange, &(esk_unknown){&known->shape, known->placement, known->signature}, &choice,
+			    results);
 	if (good)
 		good = answer_results(exchange, results);
 	else
 		json_decref(results);
 	esk_choice_clear(&choice);
-	eskel_signature_free(signature);
-	eskel_skeleton_free(skeleton);
-	eskel_shape_clear(&shape);
+	esk_known_release(exchange->api->known, known);
 	return good;
 }
 
@@ -83,6 +79,18 @@ static esk_parameters said_of_labels(const esk_parameters *query)
 	};
 }
 
+static bool recognize_specimen(
+	eskel_exchange *exchange, const esk_specimen *specimen, const esk_choice *choice, json_t *results)
+{
+	eskel_placement *placement = NULL;
+	eskel_status status = eskel_placement_new(specimen->skeleton, &placement);
+	const esk_unknown unknown = {&specimen->shape, placement, specimen->signature};
+	bool good =
+		esk_problem_engine(&exchange->problem, status, NULL) && recognize(exchange, &unknown, choice, results);
+	eskel_placement_free(placement);
+	return good;
+}
+
 static bool recognize_specimens(
 	eskel_exchange *exchange, esk_specimens *specimens, const esk_choice *choice, json_t *results)
 {
@@ -90,10 +98,8 @@ static bool recognize_specimens(
 	uint32_t levels = level > ESKEL_LEVELS_DEFAULT ? level : ESKEL_LEVELS_DEFAULT;
 	for (size_t i = 0; i < specimens->count; i++) {
 		esk_specimen *specimen = &specimens->items[i];
-		if (!esk_specimen_analyse(specimen, specimens, levels, &exchange->problem))
-			return false;
-		const esk_unknown unknown = {&specimen->shape, specimen->skeleton, specimen->signature};
-		if (!recognize(exchange, &unknown, choice, results))
+		if (!esk_specimen_analyse(specimen, specimens, levels, &exchange->problem) ||
+			!recognize_specimen(exchange, specimen, choice, results))
 			return false;
 	}
 	return true;

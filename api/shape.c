@@ -48,7 +48,7 @@ bool esk_shape_of_id(eskel_exchange *exchange, const char *id, eskel_shape *shap
 	eskel_store_error error = {0};
 	eskel_store_status status = eskel_store_shape(exchange->api->store, id, shape, &error);
 	if (status == ESKEL_STORE_NOT_FOUND)
-		return esk_problem_set(&exchange->problem, 404, "there is no shape %s", id);
+		return esk_problem_no_shape(&exchange->problem, id);
 	return esk_problem_store(&exchange->problem, status, &error);
 }
 
@@ -98,6 +98,8 @@ static bool patch(eskel_exchange *exchange, eskel_shape *shape, eskel_shape *pat
 		return false;
 	eskel_store_status status = eskel_store_describe(exchange->api->store, exchange->actor, exchange->id,
 		shape->revision, &shape->description, patched, &error);
+	if (status == ESKEL_STORE_OK)
+		esk_known_drop(exchange->api->known, shape->key);
 	return esk_problem_store(&exchange->problem, status, &error);
 }
 
@@ -125,6 +127,7 @@ static bool delete_shape(eskel_exchange *exchange, eskel_shape *shape)
 		return false;
 	/* Without memory the library keeps the key; readers drop neighbours that the store has not. */
 	eskel_library_remove(exchange->api->library, key);
+	esk_known_drop(exchange->api->known, key);
 	return true;
 }
 

@@ -3,7 +3,7 @@
  * The verdict weighs how well b can be laid on a by a rotation against how well by a reflection (superposition.c). The
  * paper's determinants are reported beside it, and decide nothing: over signature-matched classes they agree with
  * anatomy in about three of four pairs of bones. */
-#include "determinant.h"
+#include "placement.h"
 #include "superposition.h"
 
 #include <math.h>
@@ -28,21 +28,21 @@ static void judge(uint32_t levels, eskel_chirality *c)
 		c->verdict = c->score > 0 ? ESKEL_CHIRALITY_SAME : ESKEL_CHIRALITY_MIRRORED;
 }
 
-eskel_status eskel_chirality_compare(const eskel_skeleton *a, const eskel_skeleton *b, eskel_chirality *chirality)
+eskel_status eskel_chirality_compare(const eskel_placement *a, const eskel_placement *b, eskel_chirality *chirality)
 {
 	eskel_chirality c = {.verdict = ESKEL_CHIRALITY_UNDECIDED};
 	uint32_t levels = at_most(a->level_count, b->level_count);
 	if (levels >= ESK_DETERMINANT_FIRST_LEVEL) {
 		c.determinant_level = at_most(levels, ESK_DETERMINANT_LAST_LEVEL);
-		eskel_status status = esk_determinant_pair(a, b, c.determinant_level, c.determinant);
+		eskel_status status =
+			esk_determinant_pair(&a->tetrahedra, &b->tetrahedra, c.determinant_level, c.determinant);
 		if (status != ESKEL_OK)
 			return status;
 		c.has_determinant = true;
 	}
 	if (levels >= ESK_SUPERPOSITION_FIRST_LEVEL) {
-		uint32_t last = at_most(levels, ESK_SUPERPOSITION_LAST_LEVEL);
-		esk_superposition_costs(a, b, last, &c.proper, &c.improper);
-		judge(last - ESK_SUPERPOSITION_FIRST_LEVEL + 1, &c);
+		esk_superposition_costs(a->classes, b->classes, levels, &c.proper, &c.improper);
+		judge(levels - ESK_SUPERPOSITION_FIRST_LEVEL + 1, &c);
 	}
 	*chirality = c;
 	return ESKEL_OK;

@@ -1,6 +1,9 @@
 #include "determinant.h"
 
+#include "distance.h"
+
 #include <math.h>
+#include <string.h>
 
 /* det of the rows (1, p), (1, q), (1, r), (1, s): (q - p) x (r - p) . (s - p). */
 static double determinant(const double *p, const double *q, const double *r, const double *s)
@@ -15,51 +18,76 @@ static double determinant(const double *p, const double *q, const double *r, con
 	       (u[0] * v[1] - u[1] * v[0]) * w[2];
 }
 
-static double determinant_of(const eskel_skeleton *skeleton, uint32_t level, const uint32_t four[4])
+static double determinant_of(const esk_tetrahedra *of, uint32_t level, const uint8_t four[4])
 {
-	const eskel_node *nodes = skeleton->nodes + ESKEL_NODES(level - 1);
-	return determinant(nodes[four[0]].centre, nodes[four[1]].centre, nodes[four[2]].centre, nodes[four[3]].centre);
+	const double(*centres)[3] = &of->centres[ESKEL_NODES(level - 1)];
+	return determinant(centres[four[0]], centres[four[1]], centres[four[2]], centres[four[3]]);
 }
 
 /* The first of equals, in lexicographic order. */
-static void largest_tetrahedron(const eskel_skeleton *skeleton, uint32_t level, uint32_t four[4])
+static void find_largest(esk_tetrahedra *tetrahedra, uint32_t level)
 {
 	double largest = -1;
-	uint32_t t[4];
+	uint8_t t[4];
 	for (t[0] = 0; t[0] < level; t[0]++)
-		for (t[1] = t[0] + 1; t[1] < level; t[1]++)
-			for (t[2] = t[1] + 1; t[2] < level; t[2]++)
-				for (t[3] = t[2] + 1; t[3] < level; t[3]++) {
-					double size = fabs(determinant_of(skeleton, level, t));
+		for (t[1] = (uint8_t)(t[0] + 1); t[1] < level; t[1]++)
+			for (t[2] = (uint8_t)(t[1] + 1); t[2] < level; t[2]++)
+				for (t[3] = (uint8_t)(t[2] + 1); t[3] < level; t[3]++) {
+					double size = fabs(determinant_of(tetrahedra, level, t));
 					if (size > largest) {
 						largest = size;
-						for (int i = 0; i < 4; i++)
-							four[i] = t[i];
+						memcpy(tetrahedra->largest[level - 1], t, sizeof t);
 					}
 				}
 }
 
+static eskel_status take_shape(esk_tetrahedra *tetrahedra, const eskel_skeleton *skeleton, uint32_t levels)
+{
+	eskel_signature *signature = NULL;
+	eskel_status status = eskel_signature_new(skeleton, &signature);
+	if (status != ESKEL_OK)
+		return status;
+	signature->level_count = levels;
+	status = esk_shape_new(signature, &tetrahedra->shape);
+	eskel_signature_free(signature);
+	return status;
+}
+
+eskel_status esk_tetrahedra_init(esk_tetrahedra *tetrahedra, const eskel_skeleton *skeleton)
+{
+	uint32_t levels = skeleton->level_count;
+	if (levels > ESK_DETERMINANT_LAST_LEVEL)
+		levels = ESK_DETERMINANT_LAST_LEVEL;
+	eskel_status status = take_shape(tetrahedra, skeleton, levels);
+	if (status != ESKEL_OK)
+		return status;
+	for (size_t n = 0; n < ESKEL_NODES(levels); n++)
+		memcpy(tetrahedra->centres[n], skeleton->nodes[n].centre, sizeof tetrahedra->centres[n]);
+	for (uint32_t k = ESK_DETERMINANT_FIRST_LEVEL; k <= levels; k++)
+		find_largest(tetrahedra, k);
+	return ESKEL_OK;
+}
+
+void esk_tetrahedra_clear(esk_tetrahedra *tetrahedra)
+{
+	esk_shape_release(tetrahedra->shape);
+	tetrahedra->shape = NULL;
+}
+
 eskel_status esk_determinant_pair(
-	const eskel_skeleton *a, const eskel_skeleton *b, uint32_t level, double determinants[2])
+	const esk_tetrahedra *a, const esk_tetrahedra *b, uint32_t level, double determinants[2])
 {
 	/* Section 5.2: the paper's signature, and homothetic objects match. */
 	const eskel_distance_options by_paper = {.signature = ESKEL_SIGNATURE_PAPER, .size = ESKEL_SIZE_FREE};
-	eskel_signature *signature_a = NULL, *signature_b = NULL;
 	eskel_match match;
-	eskel_status status = eskel_signature_new(a, &signature_a);
-	if (status == ESKEL_OK)
-		status = eskel_signature_new(b, &signature_b);
-	if (status == ESKEL_OK)
-		status = eskel_match_level(signature_a, signature_b, &by_paper, level, &match);
-	if (status == ESKEL_OK) {
-		uint32_t four[4], matched[4];
-		largest_tetrahedron(a, level, four);
-		for (int i = 0; i < 4; i++)
-			matched[i] = match.other[four[i]];
-		determinants[0] = determinant_of(a, level, four);
-		determinants[1] = determinant_of(b, level, matched);
-	}
-	eskel_signature_free(signature_a);
-	eskel_signature_free(signature_b);
-	return status;
+	eskel_status status = esk_match_shapes(a->shape, b->shape, &by_paper, level, &match);
+	if (status != ESKEL_OK)
+		return status;
+	const uint8_t *four = a->largest[level - 1];
+	uint8_t matched[4];
+	for (int i = 0; i < 4; i++)
+		matched[i] = (uint8_t)match.other[four[i]];
+	determinants[0] = determinant_of(a, level, four);
+	determinants[1] = determinant_of(b, level, matched);
+	return ESKEL_OK;
 }

@@ -184,25 +184,39 @@ eskel_status eskel_distance(const eskel_signature *a, const eskel_signature *b, 
 	return ESKEL_OK;
 }
 
-eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *b,
-	const eskel_distance_options *options, uint32_t level, eskel_match *match)
+eskel_status esk_match_shapes(const esk_shape *a, const esk_shape *b, const eskel_distance_options *options,
+	uint32_t level, eskel_match *match)
 {
-	if (level < 1 || level > a->level_count || level > b->level_count)
-		return ESKEL_INVALID;
-	pair p;
-	eskel_status status = pair_init(&p, a, b, options);
-	if (status != ESKEL_OK)
-		return status;
 	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float costs[ESK_ASSIGNMENT_COSTS_MAX];
 	uint32_t column_of_row[ESKEL_LEVELS_MAX];
 	bool swapped;
+	esk_query query;
+	eskel_status status = esk_query_init(&query, a, options);
+	if (status != ESKEL_OK)
+		return status;
 	match->level = level;
-	match->cost = solve_level(&p.query, p.b, level, costs, column_of_row, &swapped);
+	match->cost = solve_level(&query, b, level, costs, column_of_row, &swapped);
 	for (uint32_t row = 0; row < level; row++) {
 		uint32_t column = column_of_row[row], mine = swapped ? column : row;
 		match->other[mine] = swapped ? row : column;
 		match->pair_cost[mine] = (double)costs[row * esk_assignment_width(level) + column];
 	}
-	pair_clear(&p);
+	esk_query_clear(&query);
 	return ESKEL_OK;
+}
+
+eskel_status eskel_match_level(const eskel_signature *a, const eskel_signature *b,
+	const eskel_distance_options *options, uint32_t level, eskel_match *match)
+{
+	if (level < 1 || level > a->level_count || level > b->level_count)
+		return ESKEL_INVALID;
+	esk_shape *shape_a = NULL, *shape_b = NULL;
+	eskel_status status = esk_shape_new(a, &shape_a);
+	if (status == ESKEL_OK)
+		status = esk_shape_new(b, &shape_b);
+	if (status == ESKEL_OK)
+		status = esk_match_shapes(shape_a, shape_b, options, level, match);
+	esk_shape_release(shape_a);
+	esk_shape_release(shape_b);
+	return status;
 }

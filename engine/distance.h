@@ -51,4 +51,8 @@ double esk_query_combine(const esk_query *query, const esk_shape *other, const d
 /* The distance, and all of D_1..D_depth into levels unless NULL. */
 double esk_query_distance(const esk_query *query, const esk_shape *other, double *levels);
 
+/* eskel_match_level for a level that both have. */
+eskel_status esk_match_shapes(const esk_shape *a, const esk_shape *b, const eskel_distance_options *options,
+	uint32_t level, eskel_match *match);
+
 #endif

@@ -17,4 +17,7 @@ typedef double esk_lanes[ESK_LANES] __attribute__((aligned(64))); /* a cache lin
 #define ESK_EVERY_WIDTH
 #endif
 
+/* A part of such a function: by itself it would be compiled for the narrowest width. */
+#define ESK_IN_LANES static inline __attribute__((always_inline))
+
 #endif

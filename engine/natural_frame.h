@@ -12,24 +12,23 @@
  * if their axes are parallel, and somewhat more if not. */
 enum { ESK_PLACED_COORDINATES = 9, ESK_PLACED_CLASSES_MAX = 16 };
 
-/* One level of a shape of volume 1 whose centre is the origin. */
+/* A class of a shape of volume 1 whose centre is the origin. */
 typedef struct {
-	uint32_t count;
-	double at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX];
-	double share[ESK_PLACED_CLASSES_MAX]; /* of the whole weight; sums to 1 */
-} esk_placed_level;
+	double at[ESK_PLACED_COORDINATES];
+	double share; /* of the whole weight; those of a level sum to 1 */
+} esk_placed_class;
 
-/* Places a level, 1 to ESK_PLACED_CLASSES_MAX, in the axes of level 1, right-handed: one of the natural frames. The others
- * differ from it by a signed permutation of the axes. */
-void esk_natural_frame_place(const eskel_skeleton *skeleton, uint32_t level, esk_placed_level *placed);
+/* Places the classes of a level in the axes of level 1, right-handed: one of the natural frames. The others differ from
+ * it by a signed permutation of the axes. */
+void esk_natural_frame_place(const eskel_skeleton *skeleton, uint32_t level, esk_placed_class *classes);
 
-/* A level in eight poses at once. */
+/* The coordinates of a level in eight poses at once. */
 typedef struct {
-	uint32_t count;
-	esk_lanes at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX]; /* those of count classes are set */
+	esk_lanes at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX]; /* those of the level's classes are set */
 } esk_posed_level;
 
-/* Moves by an orthogonal matrix a lane. */
-void esk_placed_pose(const esk_placed_level *placed, const esk_lanes orthogonal[3][3], esk_posed_level *posed);
+/* Moves a level of at most ESK_PLACED_CLASSES_MAX classes by an orthogonal matrix a lane. */
+void esk_placed_pose(
+	const esk_placed_class *classes, uint32_t count, const esk_lanes orthogonal[3][3], esk_posed_level *posed);
 
 #endif

@@ -21,7 +21,6 @@
  * by bijection; equal on bones; neither was wrong). */
 #include "superposition.h"
 
-#include "natural_frame.h"
 #include "rotation.h"
 
 #include <math.h>
@@ -102,7 +101,7 @@ static void keep_pose(const pose_set *from, int p, pose_set *to)
 }
 
 /* The first of equals. */
-static inline void offer(double square, double x, double y, double z, int l, nearest *n)
+ESK_IN_LANES void offer(double square, double x, double y, double z, int l, nearest *n)
 {
 	bool less = square < n->square[l];
 	n->square[l] = less ? square : n->square[l];
@@ -111,23 +110,24 @@ static inline void offer(double square, double x, double y, double z, int l, nea
 	n->centre[2][l] = less ? z : n->centre[2][l];
 }
 
-ESK_EVERY_WIDTH static void find_nearest(const esk_placed_level *a, const esk_posed_level *b, pairing *pairs)
+ESK_EVERY_WIDTH static void find_nearest(
+	const esk_placed_class *a, const esk_posed_level *b, uint32_t count, pairing *pairs)
 {
-	for (uint32_t i = 0; i < a->count; i++)
+	for (uint32_t i = 0; i < count; i++)
 		ESK_EACH_LANE (l)
 			pairs->of_a[i].square[l] = pairs->of_b[i].square[l] = INFINITY;
-	for (uint32_t i = 0; i < a->count; i++) {
+	for (uint32_t i = 0; i < count; i++) {
 		nearest of_a = pairs->of_a[i];
-		for (uint32_t j = 0; j < b->count; j++) {
+		for (uint32_t j = 0; j < count; j++) {
 			nearest *of_b = &pairs->of_b[j];
 			ESK_EACH_LANE (l) {
 				double square = 0;
 				for (int c = 0; c < ESK_PLACED_COORDINATES; c++) {
-					double d = b->at[c][j][l] - a->at[c][i];
+					double d = b->at[c][j][l] - a[i].at[c];
 					square += d * d;
 				}
 				offer(square, b->at[0][j][l], b->at[1][j][l], b->at[2][j][l], l, &of_a);
-				offer(square, a->at[0][i], a->at[1][i], a->at[2][i], l, of_b);
+				offer(square, a[i].at[0], a[i].at[1], a[i].at[2], l, of_b);
 			}
 		}
 		pairs->of_a[i] = of_a;
@@ -135,29 +135,28 @@ ESK_EVERY_WIDTH static void find_nearest(const esk_placed_level *a, const esk_po
 }
 
 ESK_EVERY_WIDTH static void find_costs(
-	const esk_placed_level *a, const esk_placed_level *b, const pairing *pairs, double *costs)
+	const esk_placed_class *a, const esk_placed_class *b, uint32_t count, const pairing *pairs, double *costs)
 {
 	esk_lanes sum = {0};
-	for (uint32_t i = 0; i < a->count; i++)
+	for (uint32_t i = 0; i < count; i++)
 		ESK_EACH_LANE (l)
-			sum[l] += a->share[i] * sqrt(pairs->of_a[i].square[l]) +
-				  b->share[i] * sqrt(pairs->of_b[i].square[l]);
+			sum[l] += a[i].share * sqrt(pairs->of_a[i].square[l]) +
+				  b[i].share * sqrt(pairs->of_b[i].square[l]);
 	ESK_EACH_LANE (l)
 		costs[l] = sum[l] / 2;
 }
 
 /* Of paired centres, weighted by share. */
-ESK_EVERY_WIDTH static void correlate(const esk_placed_level *a, const esk_placed_level *b,
+ESK_EVERY_WIDTH static void correlate(const esk_placed_class *a, const esk_placed_class *b, uint32_t count,
 	const esk_posed_level *posed, const pairing *pairs, esk_lanes correlation[3][3])
 {
 	esk_lanes sum[3][3] = {{{0}}};
-	for (uint32_t i = 0; i < a->count; i++)
+	for (uint32_t i = 0; i < count; i++)
 		for (int r = 0; r < 3; r++)
 			for (int c = 0; c < 3; c++)
 				ESK_EACH_LANE (l)
-					sum[r][c][l] +=
-						a->share[i] * (a->at[r][i] * pairs->of_a[i].centre[c][l]) +
-						b->share[i] * (pairs->of_b[i].centre[r][l] * posed->at[c][i][l]);
+					sum[r][c][l] += a[i].share * (a[i].at[r] * pairs->of_a[i].centre[c][l]) +
+							b[i].share * (pairs->of_b[i].centre[r][l] * posed->at[c][i][l]);
 	memcpy(correlation, sum, sizeof sum);
 }
 
@@ -174,16 +173,34 @@ static void turn(const esk_lanes rotation[3][3], esk_lanes orthogonal[3][3])
 	memcpy(orthogonal, out, sizeof out);
 }
 
-/* Compares a with b in eight poses, and turns b about the common centre so that paired centres superpose. */
-static void compare(const esk_placed_level *a, const esk_placed_level *b, esk_lanes orthogonal[3][3], double *costs)
-{
-	esk_lanes correlation[3][3], rotation[3][3];
+/* One level of both shapes, and how it looks in eight poses. */
+typedef struct {
+	const esk_placed_class *a, *b;
+	uint32_t count;
 	esk_posed_level posed;
 	pairing pairs;
-	esk_placed_pose(b, (const esk_lanes(*)[3])orthogonal, &posed);
-	find_nearest(a, &posed, &pairs);
-	find_costs(a, b, &pairs, costs);
-	correlate(a, b, &posed, &pairs, correlation);
+} comparison;
+
+static void begin_level(comparison *c, const esk_placed_class *a, const esk_placed_class *b, uint32_t level)
+{
+	c->a = a + ESKEL_NODES(level - 1);
+	c->b = b + ESKEL_NODES(level - 1);
+	c->count = level;
+}
+
+/* Compares a with b in eight poses. */
+static void compare(comparison *c, const esk_lanes orthogonal[3][3], double *costs)
+{
+	esk_placed_pose(c->b, c->count, orthogonal, &c->posed);
+	find_nearest(c->a, &c->posed, c->count, &c->pairs);
+	find_costs(c->a, c->b, c->count, &c->pairs, costs);
+}
+
+/* Turns b, as last compared, about the common centre so that paired centres superpose. */
+static void superpose(const comparison *c, esk_lanes orthogonal[3][3])
+{
+	esk_lanes correlation[3][3], rotation[3][3];
+	correlate(c->a, c->b, c->count, &c->posed, &c->pairs, correlation);
 	esk_rotation_fit((const esk_lanes(*)[3])correlation, rotation);
 	turn((const esk_lanes(*)[3])rotation, orthogonal);
 }
@@ -209,15 +226,18 @@ static void close_ranks(const double least[HANDS], const double *before, pose_se
 }
 
 /* Adds the least costs of a level, from these starts on. */
-static void add_least_costs(
-	const esk_placed_level *a, const esk_placed_level *b, const pose_set *starts, double sums[HANDS])
+static void add_least_costs(comparison *c, const pose_set *starts, double sums[HANDS])
 {
 	pose_set poses = *starts;
 	double least[HANDS] = {INFINITY, INFINITY}, before[POSES_MAX];
 	for (int t = 0; t <= TURNS; t++) {
 		memcpy(before, poses.cost, sizeof before);
-		for (int p = 0; p < poses.count; p += ESK_LANES)
-			compare(a, b, poses.orthogonal[p / ESK_LANES], &poses.cost[p]);
+		for (int p = 0; p < poses.count; p += ESK_LANES) {
+			esk_lanes(*orthogonal)[3] = poses.orthogonal[p / ESK_LANES];
+			compare(c, (const esk_lanes(*)[3])orthogonal, &poses.cost[p]);
+			if (t < TURNS)
+				superpose(c, orthogonal);
+		}
 		for (int p = 0; p < poses.count; p++)
 			least[poses.hand[p]] = fmin(least[poses.hand[p]], poses.cost[p]);
 		close_ranks(least, before, &poses);
@@ -227,16 +247,13 @@ static void add_least_costs(
 }
 
 /* The most promising frames of each hand; the first of equals. */
-static void choose_starts(const esk_placed_level *a, const esk_placed_level *b, pose_set *starts)
+static void choose_starts(comparison *c, pose_set *starts)
 {
 	pose_set frames;
 	double costs[POSES_MAX];
 	init_poses(&frames);
-	for (int p = 0; p < frames.count; p += ESK_LANES) {
-		esk_lanes turned[3][3];
-		memcpy(turned, frames.orthogonal[p / ESK_LANES], sizeof turned);
-		compare(a, b, turned, &costs[p]);
-	}
+	for (int p = 0; p < frames.count; p += ESK_LANES)
+		compare(c, (const esk_lanes(*)[3])frames.orthogonal[p / ESK_LANES], &costs[p]);
 	*starts = (pose_set){0};
 	for (int hand = 0; hand < HANDS; hand++)
 		for (int s = 0; s < STARTS; s++) {
@@ -250,19 +267,16 @@ static void choose_starts(const esk_placed_level *a, const esk_placed_level *b, 
 }
 
 void esk_superposition_costs(
-	const eskel_skeleton *a, const eskel_skeleton *b, uint32_t last, double *proper, double *improper)
+	const esk_placed_class *a, const esk_placed_class *b, uint32_t last, double *proper, double *improper)
 {
-	esk_placed_level placed_a, placed_b;
+	comparison c;
 	pose_set starts;
 	double sums[HANDS] = {0, 0};
-	uint32_t start_level = last < START_LEVEL ? last : START_LEVEL;
-	esk_natural_frame_place(a, start_level, &placed_a);
-	esk_natural_frame_place(b, start_level, &placed_b);
-	choose_starts(&placed_a, &placed_b, &starts);
+	begin_level(&c, a, b, last < START_LEVEL ? last : START_LEVEL);
+	choose_starts(&c, &starts);
 	for (uint32_t k = ESK_SUPERPOSITION_FIRST_LEVEL; k <= last; k++) {
-		esk_natural_frame_place(a, k, &placed_a);
-		esk_natural_frame_place(b, k, &placed_b);
-		add_least_costs(&placed_a, &placed_b, &starts, sums);
+		begin_level(&c, a, b, k);
+		add_least_costs(&c, &starts, sums);
 	}
 	*proper = sums[0];
 	*improper = sums[1];

@@ -2,14 +2,14 @@
 #ifndef ESK_SUPERPOSITION_H
 #define ESK_SUPERPOSITION_H
 
-#include "eskel.h"
+#include "natural_frame.h"
 
-enum { ESK_SUPERPOSITION_FIRST_LEVEL = 4, ESK_SUPERPOSITION_LAST_LEVEL = 16 };
+enum { ESK_SUPERPOSITION_FIRST_LEVEL = 4 };
 
-/* Sums, over levels FIRST to last (at most LAST; 0 for fewer), of the least mean distance of matched classes, for shapes
+/* Sums, over levels FIRST to last (at most ESK_PLACED_CLASSES_MAX), of the least mean distance of matched classes, for shapes
  * brought to volume 1, where b is turned (proper) or mirrored and turned (improper). Swapping a and b changes no more
- * than rounding does, and mirroring one exchanges the two sums. */
+ * than rounding does, and mirroring one exchanges the two sums. Class c of level k is at ESKEL_NODES(k - 1) + c. */
 void esk_superposition_costs(
-	const eskel_skeleton *a, const eskel_skeleton *b, uint32_t last, double *proper, double *improper);
+	const esk_placed_class *a, const esk_placed_class *b, uint32_t last, double *proper, double *improper);
 
 #endif

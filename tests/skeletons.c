@@ -147,3 +147,17 @@ eskel_skeleton *skeletons_new(const skeletons_blob *blobs, size_t count, uint32_
 	skeleton->volume = skeleton->weight * voxel_volume;
 	return skeleton;
 }
+
+eskel_chirality skeletons_compare(const eskel_skeleton *a, const eskel_skeleton *b)
+{
+	eskel_placement *placed_a = NULL, *placed_b = NULL;
+	eskel_chirality chirality;
+	if (eskel_placement_new(a, &placed_a) || eskel_placement_new(b, &placed_b) ||
+		eskel_chirality_compare(placed_a, placed_b, &chirality)) {
+		fprintf(stderr, "memory ran out\n");
+		exit(1);
+	}
+	eskel_placement_free(placed_a);
+	eskel_placement_free(placed_b);
+	return chirality;
+}

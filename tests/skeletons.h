@@ -23,4 +23,7 @@ void skeletons_rotation(uint64_t *random, double rotation[3][3]);
 /* Class c of level k is the union of the blobs c, c + k, c + 2k and so on; levels <= count. Exits when memory ran out. */
 eskel_skeleton *skeletons_new(const skeletons_blob *blobs, size_t count, uint32_t levels, double voxel_volume);
 
+/* Exits when memory ran out. */
+eskel_chirality skeletons_compare(const eskel_skeleton *a, const eskel_skeleton *b);
+
 #endif

@@ -347,6 +347,14 @@ ESKEL_API void eskel_search_result_free(eskel_search_result *result);
 
 /* ---------------------------------------------------------------------------------------------- chirality */
 
+/* A skeleton as comparing handedness needs it: made once, compared often. Levels above 16 are left out. */
+typedef struct eskel_placement eskel_placement;
+
+ESKEL_API eskel_status eskel_placement_new(const eskel_skeleton *skeleton, eskel_placement **placement);
+ESKEL_API void eskel_placement_free(eskel_placement *placement);
+/* In bytes; 13,900 with 16 levels. */
+ESKEL_API size_t eskel_placement_size(const eskel_placement *placement);
+
 typedef enum { ESKEL_CHIRALITY_UNDECIDED, ESKEL_CHIRALITY_SAME, ESKEL_CHIRALITY_MIRRORED } eskel_chirality_verdict;
 
 typedef struct {
@@ -359,8 +367,8 @@ typedef struct {
 } eskel_chirality;
 
 /* Is b shaped like a, or like a's mirror image? Undecided when |score| < 0.05, or when nothing can be told
- * (fewer than 4 common levels). Levels above 16 are not used. */
-ESKEL_API eskel_status eskel_chirality_compare(const eskel_skeleton *a, const eskel_skeleton *b,
+ * (fewer than 4 common levels). */
+ESKEL_API eskel_status eskel_chirality_compare(const eskel_placement *a, const eskel_placement *b,
 	eskel_chirality *chirality);
 
 #endif

@@ -55,6 +55,8 @@ static const struct row {
 		"rows of voxels in all labels of a volume; each takes up to 150 bytes of memory"},
 	{"most-labels", ESK_SERVE, NUMBER, AT(most_labels), "N", 1024, 1, 65535, "in one request"},
 	{"most-distances", ESK_SERVE, NUMBER, AT(most_distances), "N", 4000000, 1, GIB, "in one matrix"},
+	{"most-known", ESK_SERVE, NUMBER, AT(most_known), "BYTES", 2 * GIB, 1024 * KIB, 1024 * GIB,
+		"of memory for shapes that recognitions have met, 20 kB each"},
 	{"role", ESK_TOKEN_ADD, TEXT, AT(role), "ROLE", 0, 0, 0, "read, write or admin; default read"},
 	{"days", ESK_TOKEN_ADD, NUMBER, AT(days), "N", 0, 0, 36500, "until the token expires; 0: never"},
 };

@@ -114,6 +114,7 @@ static bool open_api(const esk_options *options, esk_server *server)
 		.most_runs = options->most_runs,
 		.most_labels = (uint32_t)options->most_labels,
 		.most_distances = options->most_distances,
+		.most_known_bytes = options->most_known,
 		.loading = loading,
 		.context = &logged,
 	};

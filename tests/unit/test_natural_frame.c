@@ -19,11 +19,11 @@ static eskel_skeleton *sample(uint64_t seed)
 	return skeletons_new(blobs, blob_count, levels, 0.5);
 }
 
-static double distance_between(const esk_placed_level *a, uint32_t i, const esk_placed_level *b, uint32_t j)
+static double distance_between(const esk_placed_class *a, const esk_placed_class *b)
 {
 	double square = 0;
 	for (int c = 0; c < ESK_PLACED_COORDINATES; c++)
-		square += (a->at[c][i] - b->at[c][j]) * (a->at[c][i] - b->at[c][j]);
+		square += (a->at[c] - b->at[c]) * (a->at[c] - b->at[c]);
 	return sqrt(square);
 }
 
@@ -56,8 +56,8 @@ static void distances_are_those_of_centres_and_roots_of_covariances_in_the_world
 	(void)state;
 	eskel_skeleton *s = sample(1);
 	const eskel_node *nodes = s->nodes + ESKEL_NODES(levels - 1);
-	esk_placed_level placed;
-	esk_natural_frame_place(s, levels, &placed);
+	esk_placed_class placed[levels];
+	esk_natural_frame_place(s, levels, placed);
 	for (uint32_t i = 0; i < levels; i++)
 		for (uint32_t j = 0; j < levels; j++) {
 			double root_i[3][3], root_j[3][3], square = 0;
@@ -69,7 +69,7 @@ static void distances_are_those_of_centres_and_roots_of_covariances_in_the_world
 					square += pow(root_i[r][c] - root_j[r][c], 2);
 			}
 			double expected = sqrt(square) / cbrt(s->volume);
-			double found = distance_between(&placed, i, &placed, j);
+			double found = distance_between(&placed[i], &placed[j]);
 			if (fabs(found - expected) > 1e-12)
 				fail_msg("classes %u and %u are %.17g apart, expected %.17g", i, j, found, expected);
 		}
@@ -80,14 +80,14 @@ static void the_whole_lies_at_the_origin_along_the_axes(void **state)
 {
 	(void)state;
 	eskel_skeleton *s = sample(2);
-	esk_placed_level placed;
+	esk_placed_class placed;
 	esk_natural_frame_place(s, 1, &placed);
 	for (int c = 0; c < ESK_PLACED_COORDINATES; c++) {
 		double expected = c < 3 || c >= 6 ? 0 : sqrt(s->nodes->eigenvalues[c - 3]) / cbrt(s->volume);
-		if (fabs(placed.at[c][0] - expected) > 1e-13)
-			fail_msg("coordinate %d is %.17g, expected %.17g", c, placed.at[c][0], expected);
+		if (fabs(placed.at[c] - expected) > 1e-13)
+			fail_msg("coordinate %d is %.17g, expected %.17g", c, placed.at[c], expected);
 	}
-	assert_true(placed.share[0] == 1);
+	assert_true(placed.share == 1);
 	eskel_skeleton_free(s);
 }
 
@@ -96,11 +96,11 @@ static void shares_of_a_level_sum_to_1(void **state)
 	(void)state;
 	eskel_skeleton *s = sample(3);
 	for (uint32_t k = 1; k <= levels; k++) {
-		esk_placed_level placed;
+		esk_placed_class placed[levels];
 		double sum = 0;
-		esk_natural_frame_place(s, k, &placed);
+		esk_natural_frame_place(s, k, placed);
 		for (uint32_t c = 0; c < k; c++)
-			sum += placed.share[c];
+			sum += placed[c].share;
 		if (fabs(sum - 1) > 1e-14)
 			fail_msg("the shares of level %u sum to %.17g", k, sum);
 	}
@@ -108,16 +108,16 @@ static void shares_of_a_level_sum_to_1(void **state)
 }
 
 /* The other lanes are shrunk to a point. */
-static void move_in_lane(int lane, const double move[3][3], const esk_placed_level *level, esk_placed_level *moved)
+static void move_in_lane(int lane, const double move[3][3], const esk_placed_class *classes, esk_placed_class *moved)
 {
 	esk_lanes orthogonal[3][3] = {{{0}}};
 	esk_posed_level posed;
 	for (int e = 0; e < 9; e++)
 		orthogonal[e / 3][e % 3][lane] = move[e / 3][e % 3];
-	esk_placed_pose(level, (const esk_lanes(*)[3])orthogonal, &posed);
+	esk_placed_pose(classes, levels, (const esk_lanes(*)[3])orthogonal, &posed);
 	for (int c = 0; c < ESK_PLACED_COORDINATES; c++)
-		for (uint32_t j = 0; j < level->count; j++)
-			moved->at[c][j] = posed.at[c][j][lane];
+		for (uint32_t j = 0; j < levels; j++)
+			moved[j].at[c] = posed.at[c][j][lane];
 }
 
 static void moving_a_level_equals_placing_it_in_other_axes(void **state)
@@ -131,19 +131,19 @@ static void moving_a_level_equals_placing_it_in_other_axes(void **state)
 		if (n & 1) /* a reflection */
 			for (int c = 0; c < 3; c++)
 				move[2][c] = -move[2][c];
-		esk_placed_level expected, moved = {.count = levels};
-		esk_natural_frame_place(s, levels, &expected);
-		move_in_lane(n % ESK_LANES, (const double(*)[3])move, &expected, &moved);
+		esk_placed_class expected[levels], moved[levels];
+		esk_natural_frame_place(s, levels, expected);
+		move_in_lane(n % ESK_LANES, (const double(*)[3])move, expected, moved);
 		memcpy(axes, s->nodes->axes, sizeof axes);
 		for (int r = 0; r < 3; r++)
 			for (int c = 0; c < 3; c++)
 				s->nodes->axes[r][c] =
 					move[r][0] * axes[0][c] + move[r][1] * axes[1][c] + move[r][2] * axes[2][c];
-		esk_natural_frame_place(s, levels, &expected);
+		esk_natural_frame_place(s, levels, expected);
 		memcpy(s->nodes->axes, axes, sizeof axes);
 		for (uint32_t c = 0; c < levels; c++)
-			if (distance_between(&expected, c, &moved, c) > 1e-14)
-				fail_msg("class %u is off by %g", c, distance_between(&expected, c, &moved, c));
+			if (distance_between(&expected[c], &moved[c]) > 1e-14)
+				fail_msg("class %u is off by %g", c, distance_between(&expected[c], &moved[c]));
 	}
 	eskel_skeleton_free(s);
 }

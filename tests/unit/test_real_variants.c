@@ -26,9 +26,7 @@ static double distance(const real_shape *a, const real_shape *b)
 
 static eskel_chirality compare(const real_shape *a, const real_shape *b)
 {
-	eskel_chirality chirality;
-	assert_int_equal(eskel_chirality_compare(a->skeleton, b->skeleton, &chirality), ESKEL_OK);
-	return chirality;
+	return skeletons_compare(a->skeleton, b->skeleton);
 }
 
 static void assert_same_cloud(const eskel_cloud *a, const eskel_cloud *b)

@@ -1,0 +1,43 @@
+#include "placement.h"
+
+#include "memory.h"
+
+#include <stdlib.h>
+
+static size_t size_of(uint32_t level_count)
+{
+	return sizeof(eskel_placement) + ESKEL_NODES(level_count) * sizeof(esk_placed_class);
+}
+
+eskel_status eskel_placement_new(const eskel_skeleton *skeleton, eskel_placement **placement)
+{
+	uint32_t levels = skeleton->level_count;
+	if (levels > ESK_PLACED_CLASSES_MAX)
+		levels = ESK_PLACED_CLASSES_MAX;
+	eskel_placement *made = esk_memory_zeroed_array(1, size_of(levels));
+	if (!made)
+		return ESKEL_NO_MEMORY;
+	eskel_status status = esk_tetrahedra_init(&made->tetrahedra, skeleton);
+	if (status != ESKEL_OK) {
+		eskel_placement_free(made);
+		return status;
+	}
+	made->level_count = levels;
+	for (uint32_t k = 1; k <= levels; k++)
+		esk_natural_frame_place(skeleton, k, &made->classes[ESKEL_NODES(k - 1)]);
+	*placement = made;
+	return ESKEL_OK;
+}
+
+void eskel_placement_free(eskel_placement *placement)
+{
+	if (!placement)
+		return;
+	esk_tetrahedra_clear(&placement->tetrahedra);
+	free(placement);
+}
+
+size_t eskel_placement_size(const eskel_placement *placement)
+{
+	return size_of(placement->level_count) + esk_shape_size(placement->tetrahedra.shape->level_count);
+}

@@ -1,0 +1,14 @@
+/* A skeleton as comparing handedness needs it, made once and compared often. */
+#ifndef ESK_PLACEMENT_H
+#define ESK_PLACEMENT_H
+
+#include "determinant.h"
+#include "natural_frame.h"
+
+struct eskel_placement {
+	uint32_t level_count; /* of the skeleton, at most ESK_PLACED_CLASSES_MAX */
+	esk_tetrahedra tetrahedra;
+	esk_placed_class classes[]; /* class c of level k at ESKEL_NODES(k - 1) + c */
+};
+
+#endif
