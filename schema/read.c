@@ -38,6 +38,39 @@ eskel_store_status esk_read_begin(eskel_store *store, sqlite3 **db, eskel_store_
 	return ESKEL_STORE_OK;
 }
 
+/* A transaction sees the moment of its first read. */
+static eskel_store_status begin_now(eskel_store *store, sqlite3 **db, eskel_store_error *error)
+{
+	sqlite3 *begun = NULL;
+	eskel_store_status status = esk_read_begin(store, &begun, error);
+	if (status != ESKEL_STORE_OK)
+		return status;
+	status = esk_statement_execute(begun, "SELECT key FROM shape LIMIT 1", error);
+	if (status == ESKEL_STORE_OK)
+		*db = begun;
+	else
+		esk_read_end(store, begun);
+	return status;
+}
+
+eskel_store_status esk_read_begin_together(eskel_store *store, sqlite3 **dbs, size_t *count, eskel_store_error *error)
+{
+	eskel_store_status status = ESKEL_STORE_OK;
+	size_t begun = 0;
+	pthread_mutex_lock(&store->writes_mutex); /* nobody begins to write */
+	while (store->writing)
+		pthread_cond_wait(&store->writes_done, &store->writes_mutex);
+	while (begun < *count && status == ESKEL_STORE_OK) {
+		status = begin_now(store, &dbs[begun], begun ? NULL : error);
+		begun += status == ESKEL_STORE_OK;
+	}
+	pthread_mutex_unlock(&store->writes_mutex);
+	if (!begun)
+		return status;
+	*count = begun;
+	return ESKEL_STORE_OK;
+}
+
 void esk_read_end(eskel_store *store, sqlite3 *db)
 {
 	if (!sqlite3_get_autocommit(db))

@@ -1,8 +1,135 @@
-/* The scan of all signatures with which a library is filled. */
+/* The scan of all signatures with which a library is filled.
+ *
+ * Shapes are stored one after the other, so the pages of the signatures lie scattered among those of clouds and
+ * skeletons, and a scan of a file that is not in memory waits for the disk at each of them; and every signature is
+ * verified and decoded. So a few threads take the keys stride by stride and read ahead of the caller, who gets the strides
+ * in their order: the disk has many pages to look for at a time, and decoding goes on while the caller works.
+ *
+ * Stride n lies in slot n % SLOTS from the time that a thread has taken it until the caller has passed it. */
+#include "array.h"
 #include "object.h"
-#include "prefetch.h"
 #include "read.h"
 #include "statement.h"
+#include "status.h"
+
+#include <stdlib.h>
+
+enum {
+	THREADS = 8,
+	STRIDE = 256, /* keys */
+	SLOTS = 32    /* read ahead at most: 45 MB of decoded signatures */
+};
+
+typedef struct {
+	int64_t key;
+	eskel_signature *signature;
+} row;
+
+typedef struct {
+	bool ready;
+	size_t count;
+	row *rows;
+	eskel_store_status status; /* of reading them */
+	eskel_store_error error;
+} stride;
+
+typedef struct {
+	int64_t last;         /* the last key that there is */
+	pthread_mutex_t lock; /* of all below */
+	pthread_cond_t changed;
+	int64_t next, passed; /* strides taken by threads, passed by the caller */
+	bool stop;
+	stride slots[SLOTS];
+} scan;
+
+typedef struct {
+	scan *scan;
+	sqlite3 *db;
+	pthread_t thread;
+} reader;
+
+/* ---- one stride */
+
+static eskel_store_status read_row(esk_statement *s, row *out, eskel_store_error *error)
+{
+	esk_object_row object;
+	eskel_store_status status = esk_object_read(s, ESK_OBJECT_SIGNATURE, &object, error);
+	if (status != ESKEL_STORE_OK)
+		return status;
+	out->key = object.shape;
+	eskel_status decoded = eskel_signature_decode(object.bytes, object.size, &out->signature, NULL);
+	return esk_object_decoded(decoded, ESK_OBJECT_SIGNATURE, object.shape, error);
+}
+
+static void clear(stride *s)
+{
+	for (size_t i = 0; i < s->count; i++)
+		eskel_signature_free(s->rows[i].signature);
+	free(s->rows);
+	*s = (stride){.ready = false};
+}
+
+/* Reads what is stored under the keys of stride n, into an empty one: those before a failure, and the failure. */
+static void read_stride(sqlite3 *db, int64_t n, stride *out)
+{
+	eskel_store_status status = ESKEL_STORE_OK;
+	esk_statement s = esk_statement_begin(
+		db, "SELECT shape, sha256, bytes FROM signature WHERE shape > ? AND shape <= ? ORDER BY shape");
+	esk_bind_int64(&s, n * STRIDE);
+	esk_bind_int64(&s, (n + 1) * STRIDE);
+	while (status == ESKEL_STORE_OK && esk_statement_row(&s)) {
+		row read = {0};
+		if (!esk_array_grow((void **)&out->rows, out->count, sizeof out->rows[0]))
+			status = esk_status_fail(&out->error, ESKEL_STORE_NO_MEMORY, "memory ran out");
+		else
+			status = read_row(&s, &read, &out->error);
+		if (status == ESKEL_STORE_OK)
+			out->rows[out->count++] = read;
+	}
+	eskel_store_status ended = esk_statement_end(&s, status == ESKEL_STORE_OK ? &out->error : NULL);
+	out->status = status == ESKEL_STORE_OK ? ended : status;
+}
+
+/* ---- threads that read ahead */
+
+/* The next stride that there is room for, -1 when there will be none. */
+static int64_t take_stride(scan *s)
+{
+	int64_t n = -1;
+	pthread_mutex_lock(&s->lock);
+	while (!s->stop && s->next >= s->passed + SLOTS)
+		pthread_cond_wait(&s->changed, &s->lock);
+	if (!s->stop && s->next * STRIDE < s->last)
+		n = s->next++;
+	pthread_mutex_unlock(&s->lock);
+	return n;
+}
+
+static void *read_ahead(void *context)
+{
+	reader *r = context;
+	scan *s = r->scan;
+	int64_t n;
+	while ((n = take_stride(s)) >= 0) {
+		stride *slot = &s->slots[n % SLOTS];
+		read_stride(r->db, n, slot);
+		pthread_mutex_lock(&s->lock);
+		slot->ready = true;
+		pthread_cond_broadcast(&s->changed);
+		pthread_mutex_unlock(&s->lock);
+	}
+	return NULL;
+}
+
+static void pass_stride(scan *s)
+{
+	pthread_mutex_lock(&s->lock);
+	s->passed++;
+	pthread_cond_broadcast(&s->changed);
+	pthread_mutex_unlock(&s->lock);
+}
+
+/* ---- the caller */
 
 typedef struct {
 	bool (*each)(void *context, int64_t key, const eskel_signature *signature);
@@ -10,19 +137,37 @@ typedef struct {
 	bool stopped;
 } visitor;
 
-static eskel_store_status visit(esk_statement *s, visitor *v, esk_prefetch *ahead, eskel_store_error *error)
+static eskel_store_status visit(visitor *v, const stride *s, eskel_store_error *error)
 {
-	esk_object_row row;
-	eskel_store_status status = esk_object_read(s, ESK_OBJECT_SIGNATURE, &row, error);
-	if (status != ESKEL_STORE_OK)
-		return status;
-	eskel_signature *signature = NULL;
-	eskel_status decoded = eskel_signature_decode(row.bytes, row.size, &signature, NULL);
-	status = esk_object_decoded(decoded, ESK_OBJECT_SIGNATURE, row.shape, error);
-	if (status == ESKEL_STORE_OK)
-		v->stopped = !v->each(v->context, row.shape, signature);
-	eskel_signature_free(signature);
-	esk_prefetch_pass(ahead, row.shape);
+	for (size_t i = 0; i < s->count && !v->stopped; i++)
+		v->stopped = !v->each(v->context, s->rows[i].key, s->rows[i].signature);
+	if (v->stopped || s->status == ESKEL_STORE_OK)
+		return ESKEL_STORE_OK;
+	return esk_status_fail(error, s->status, "%s", s->error.text);
+}
+
+static void wait_for(scan *s, const stride *slot)
+{
+	pthread_mutex_lock(&s->lock);
+	while (!slot->ready)
+		pthread_cond_wait(&s->changed, &s->lock);
+	pthread_mutex_unlock(&s->lock);
+}
+
+/* Without threads the caller reads. */
+static eskel_store_status visit_all(scan *s, sqlite3 *db, bool threads, visitor *v, eskel_store_error *error)
+{
+	eskel_store_status status = ESKEL_STORE_OK;
+	for (int64_t n = 0; status == ESKEL_STORE_OK && !v->stopped && n * STRIDE < s->last; n++) {
+		stride *slot = &s->slots[n % SLOTS];
+		if (threads)
+			wait_for(s, slot);
+		else
+			read_stride(db, n, slot);
+		status = visit(v, slot, error);
+		clear(slot);
+		pass_stride(s);
+	}
 	return status;
 }
 
@@ -34,20 +179,27 @@ static eskel_store_status read_last_key(sqlite3 *db, int64_t *last, eskel_store_
 	return esk_statement_end(&s, error);
 }
 
-static eskel_store_status scan(eskel_store *store, sqlite3 *db, visitor *v, eskel_store_error *error)
+static int start(scan *s, sqlite3 *const *dbs, size_t count, reader readers[THREADS])
 {
-	int64_t last = 0;
-	eskel_store_status status = read_last_key(db, &last, error);
-	if (status != ESKEL_STORE_OK)
-		return status;
-	esk_prefetch ahead;
-	esk_prefetch_start(&ahead, store, last);
-	esk_statement s = esk_statement_begin(db, "SELECT shape, sha256, bytes FROM signature ORDER BY shape");
-	while (!v->stopped && status == ESKEL_STORE_OK && esk_statement_row(&s))
-		status = visit(&s, v, &ahead, error);
-	eskel_store_status ended = esk_statement_end(&s, status == ESKEL_STORE_OK ? error : NULL);
-	esk_prefetch_stop(&ahead);
-	return status == ESKEL_STORE_OK ? ended : status;
+	int started = 0;
+	for (size_t i = 0; i < count; i++) {
+		readers[started] = (reader){.scan = s, .db = dbs[i]};
+		if (pthread_create(&readers[started].thread, NULL, read_ahead, &readers[started]) == 0)
+			started++;
+	}
+	return started;
+}
+
+static void stop(scan *s, const reader *readers, int count)
+{
+	pthread_mutex_lock(&s->lock);
+	s->stop = true;
+	pthread_cond_broadcast(&s->changed);
+	pthread_mutex_unlock(&s->lock);
+	for (int i = 0; i < count; i++)
+		pthread_join(readers[i].thread, NULL);
+	for (int n = 0; n < SLOTS; n++)
+		clear(&s->slots[n]);
 }
 
 eskel_store_status eskel_store_each_signature(eskel_store *store,
@@ -55,11 +207,21 @@ eskel_store_status eskel_store_each_signature(eskel_store *store,
 	eskel_store_error *error)
 {
 	visitor v = {.each = each, .context = context};
-	sqlite3 *db = NULL;
-	eskel_store_status status = esk_read_begin(store, &db, error);
+	scan s = {.lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
+	reader readers[THREADS];
+	sqlite3 *dbs[THREADS];
+	size_t count = THREADS;
+	eskel_store_status status = esk_read_begin_together(store, dbs, &count, error);
 	if (status != ESKEL_STORE_OK)
 		return status;
-	status = scan(store, db, &v, error);
-	esk_read_end(store, db);
+	status = read_last_key(dbs[0], &s.last, error);
+	if (status == ESKEL_STORE_OK) {
+		/* A few strides are read before threads would be there. */
+		int threads = s.last > THREADS * STRIDE ? start(&s, dbs, count, readers) : 0;
+		status = visit_all(&s, dbs[0], threads > 0, &v, error);
+		stop(&s, readers, threads);
+	}
+	for (size_t i = 0; i < count; i++)
+		esk_read_end(store, dbs[i]);
 	return status;
 }

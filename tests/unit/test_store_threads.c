@@ -258,6 +258,29 @@ static void a_scan_that_reads_ahead_sees_every_signature_once_or_stops(void **st
 	assert_int_equal(left, 0);
 }
 
+/* Before the damage everything, after it nothing. */
+static void a_scan_that_reads_ahead_ends_at_a_damaged_signature(void **state)
+{
+	enum { damaged = 1500 };
+	store_fixture *f = *state;
+	sqlite3 *other = NULL;
+	enroll_many(f);
+	store_reopen(f);
+	assert_int_equal(sqlite3_open(f->path, &other), SQLITE_OK);
+	assert_int_equal(
+		sqlite3_exec(other, "UPDATE signature SET bytes = zeroblob(99) WHERE shape = 1500", NULL, NULL, NULL),
+		SQLITE_OK);
+	sqlite3_close(other);
+	int64_t last = 0, left = many + 1;
+	assert_int_equal(eskel_store_each_signature(f->store, ascends, &last, &f->error), ESKEL_STORE_CORRUPT);
+	assert_non_null(strstr(f->error.text, "1500"));
+	assert_int_equal(last, damaged - 1);
+	assert_int_equal(eskel_store_each_signature(f->store, count_up_to, &left, &f->error), ESKEL_STORE_CORRUPT);
+	assert_int_equal(left, many + 1 - (damaged - 1));
+	left = damaged - 1;
+	assert_ok(eskel_store_each_signature(f->store, count_up_to, &left, &f->error), f);
+}
+
 int main(void)
 {
 	fault_vfs_install(FAULT_VFS_PASS);
@@ -266,6 +289,7 @@ int main(void)
 		store_test(the_same_shapes_from_many_threads_are_stored_once),
 		store_test(clients_that_wait_share_a_commit),
 		store_test(a_scan_that_reads_ahead_sees_every_signature_once_or_stops),
+		store_test(a_scan_that_reads_ahead_ends_at_a_damaged_signature),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
