@@ -2,8 +2,9 @@
 # The benchmarks: builds eskel as it is released, installs its peers from Debian, measures ours and theirs in turn, round
 # after round, and prints one table. Ten to fifteen minutes; each part alone takes up to four:
 #
-#     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|enroll|serve]...
+#     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|enroll|serve|start]...
 #
+# start is not among those that run unless asked for: it fills 4.4 GB with a million shapes, which takes two minutes.
 # ROUNDS=5 takes five rounds in place of three. Everything is one thread, but for the server. Programs, inputs and
 # results are in build-bench/. README.md beside this file says how to read the table.
 set -eu
@@ -12,8 +13,8 @@ cd "$(dirname "$0")/../.."
 parts=${*:-partition atlas growth match search decode enroll serve}
 for part in $parts; do
 	case $part in
-	partition | atlas | growth | match | search | decode | enroll | serve) ;;
-	*) echo "run.sh: $part is none of partition, atlas, growth, match, search, decode, enroll, serve" >&2; exit 2 ;;
+	partition | atlas | growth | match | search | decode | enroll | serve | start) ;;
+	*) echo "run.sh: $part is none of partition, atlas, growth, match, search, decode, enroll, serve, start" >&2; exit 2 ;;
 	esac
 done
 sh deploy/packages.sh build bench
@@ -108,7 +109,7 @@ enroll() {
 }
 
 # eskeld on a database, on any free port; its address into $url, its number into $server.
-start() { # DATABASE
+start_server() { # DATABASE
 	begun=$(date +%s%N)
 	rm -f $folder/url
 	$folder/server/eskeld --database "$1" --listen 127.0.0.1:0 --rate 1000000 >$folder/url 2>$folder/log &
@@ -122,7 +123,7 @@ start() { # DATABASE
 	url=$(cat $folder/url)
 }
 
-stop() { # FIGURE
+stop_server() { # FIGURE
 	printf '%s\teskeld\t%s\tMB\n' "$1" $(($(sed -n 's/VmHWM:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$server/status") / 1024))
 	kill "$server"
 	wait "$server" || true
@@ -134,23 +135,39 @@ ask() { # FIGURE CLIENTS SECONDS, then what serve.lua takes
 	grep "^$1" $folder/wrk
 }
 
+fill() { # NAME SHAPES [LEVELS]: a database and its ids
+	[ -e "$inputs/$1.ids" ] && return
+	echo "filling a database with $2 shapes" >&2
+	mkdir -p $inputs
+	rm -f "$inputs/$1".db*
+	$ours/bench_fill "$inputs/$1.db" "$2" ${3:+"$3"} >$inputs/ids
+	mv $inputs/ids "$inputs/$1.ids"
+}
+
+# Shapes that no recognition has met are read from the database; the last two figures are of shapes that were met before.
 serve() {
 	need posts
-	if [ ! -e $inputs/fill.ids ]; then
-		echo "filling a database with 100,000 shapes" >&2
-		rm -f $inputs/fill.db*
-		$ours/bench_fill $inputs/fill.db 100000 >$inputs/ids
-		mv $inputs/ids $inputs/fill.ids
-	fi
-	start $inputs/fill.db
+	fill fill 100000
+	head -n 10000 $inputs/fill.ids >$inputs/met.ids
+	start_server $inputs/fill.db
 	printf 'serve/start-100000-shapes\teskeld\t%s\tms\n' $ready
 	ask serve/healthz-32-clients 32 2 health
-	ask serve/recognize-32-clients 32 4 recognize $inputs/fill.ids
-	stop serve/recognize-32-clients
+	ask serve/recognize-unmet-32-clients 32 4 recognize $inputs/fill.ids
+	ask serve/recognize-32-clients 32 8 recognize $inputs/met.ids >/dev/null
+	ask serve/recognize-32-clients 32 4 recognize $inputs/met.ids
+	ask serve/recognize-side-32-clients 32 4 recognize $inputs/met.ids '&side=left'
+	stop_server serve/recognize-32-clients
 	rm -f $folder/posts.db*
-	start $folder/posts.db
+	start_server $folder/posts.db
 	ask serve/enroll-8-clients 8 4 enroll $inputs 4000
-	stop serve/enroll-8-clients
+	stop_server serve/enroll-8-clients
+}
+
+start() {
+	fill million 1000000 1
+	start_server $inputs/million.db
+	printf 'serve/start-1000000-shapes\teskeld\t%s\tms\n' $ready
+	stop_server serve/start-1000000-shapes
 }
 
 # ---- rounds

@@ -1,6 +1,6 @@
 -- What wrk asks of eskeld, and the lines that table.py reads:
 --
---    FIGURE=name wrk -t 1 ... -s serve.lua URL -- recognize IDS | enroll FOLDER COUNT | health
+--    FIGURE=name wrk -t 1 ... -s serve.lua URL -- recognize IDS [PARAMETERS] | enroll FOLDER COUNT | health
 --
 -- One thread only: a second one would send the same requests again.
 
@@ -27,7 +27,7 @@ local requests = {}
 function init(arguments)
    if arguments[1] == "recognize" then
       for i, id in ipairs(lines_of(arguments[2])) do
-         requests[i] = wrk.format("GET", "/recognize?shape=" .. id)
+         requests[i] = wrk.format("GET", "/recognize?shape=" .. id .. arguments[3])
       end
    elseif arguments[1] == "enroll" then
       enrolling = true
@@ -44,7 +44,8 @@ end
 -- A shape that is posted again is not stored again, so posts must not run out.
 function request()
    if enrolling and next_request == #requests then
-      wrk.thread:stop()
+      io.stderr:write("all posts were sent: ask for fewer seconds\n")
+      os.exit(1)
    end
    next_request = next_request + 1
    return requests[next_request * 7919 % #requests + 1]
