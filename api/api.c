@@ -95,6 +95,8 @@ eskel_store_status eskel_api_open(
 	set_defaults(&opened->options);
 	eskel_store_status status = eskel_store_open(database, &opened->options.store, &opened->store, error);
 	if (status == ESKEL_STORE_OK)
+		status = eskel_store_keep_descriptions(opened->store, error);
+	if (status == ESKEL_STORE_OK)
 		status = fill_library(opened, error);
 	if (status == ESKEL_STORE_OK)
 		opened->known = esk_known_new(opened->store, opened->options.most_known_bytes);

@@ -53,13 +53,19 @@ static eskel_store_status describe(sqlite3 *writer, void *context, eskel_store_e
 	return status;
 }
 
+static void describe_in_memory(eskel_store *store, void *context)
+{
+	const edit *e = context;
+	esk_catalogue_put(store->catalogue, e->key, e->description);
+}
+
 eskel_store_status eskel_store_describe(eskel_store *store, const char *actor, const char *id, int64_t revision,
 	const eskel_description *description, eskel_shape *shape, eskel_store_error *error)
 {
 	edit e = {.actor = actor, .id = id, .revision = revision, .description = description};
 	eskel_store_status status = esk_description_check(description, error);
 	if (status == ESKEL_STORE_OK)
-		status = esk_write_shapes(store, describe, &e, error);
+		status = esk_write_shapes(store, describe, describe_in_memory, &e, error);
 	if (status == ESKEL_STORE_OK)
 		*shape = e.shape;
 	else
@@ -83,11 +89,17 @@ static eskel_store_status remove_row(sqlite3 *writer, void *context, eskel_store
 	return status;
 }
 
+static void remove_from_memory(eskel_store *store, void *context)
+{
+	const edit *e = context;
+	esk_catalogue_remove(store->catalogue, e->key);
+}
+
 eskel_store_status eskel_store_delete(
 	eskel_store *store, const char *actor, const char *id, int64_t revision, int64_t *key, eskel_store_error *error)
 {
 	edit e = {.actor = actor, .id = id, .revision = revision};
-	eskel_store_status status = esk_write_shapes(store, remove_row, &e, error);
+	eskel_store_status status = esk_write_shapes(store, remove_row, remove_from_memory, &e, error);
 	if (status == ESKEL_STORE_OK && key)
 		*key = e.key;
 	return status;

@@ -137,6 +137,14 @@ static eskel_store_status insert(sqlite3 *writer, void *context, eskel_store_err
 	return status;
 }
 
+static void put_in_memory(eskel_store *store, void *context)
+{
+	const batch *b = context;
+	for (size_t i = 0; i < b->count; i++)
+		if (b->drafts[i].created)
+			esk_catalogue_put(store->catalogue, b->drafts[i].shape.key, b->drafts[i].given->description);
+}
+
 static void free_drafts(draft *drafts, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
@@ -159,7 +167,7 @@ eskel_store_status eskel_store_enroll(eskel_store *store, const char *actor, con
 	for (size_t i = 0; i < count && status == ESKEL_STORE_OK; i++)
 		status = prepare(&b.drafts[i], &enrollments[i], error);
 	if (status == ESKEL_STORE_OK)
-		status = esk_write_shapes(store, insert, &b, error);
+		status = esk_write_shapes(store, insert, put_in_memory, &b, error);
 	for (size_t i = 0; i < count && status == ESKEL_STORE_OK; i++) {
 		shapes[i] = b.drafts[i].shape;
 		created[i] = b.drafts[i].created;

@@ -79,13 +79,17 @@ static void bind(esk_statement *s, const eskel_filter *f, int64_t after, int64_t
 	esk_bind_int64(s, limit);
 }
 
+static eskel_store_status check(const eskel_filter *filter, eskel_store_error *error)
+{
+	if (filter->attribute_count <= most_attributes)
+		return ESKEL_STORE_OK;
+	return esk_status_fail(error, ESKEL_STORE_INVALID, "the filter has %zu attributes, expected at most %zu",
+		filter->attribute_count, most_attributes);
+}
+
 static eskel_store_status find_keys(sqlite3 *db, const eskel_filter *filter, int64_t after, int64_t limit,
 	int64_t **keys, size_t *count, eskel_store_error *error)
 {
-	if (filter->attribute_count > most_attributes)
-		return esk_status_fail(error, ESKEL_STORE_INVALID,
-			"the filter has %zu attributes, expected at most %zu", filter->attribute_count,
-			most_attributes);
 	char *sql = write_sql(filter);
 	if (!sql)
 		return esk_status_fail(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
@@ -116,7 +120,11 @@ eskel_store_status eskel_store_keys(
 	eskel_store *store, const eskel_filter *filter, int64_t **keys, size_t *count, eskel_store_error *error)
 {
 	sqlite3 *db = NULL;
-	eskel_store_status status = esk_read_begin(store, &db, error);
+	eskel_store_status status = check(filter, error);
+	if (status == ESKEL_STORE_OK && esk_catalogue_keys(store->catalogue, filter, keys, count))
+		return ESKEL_STORE_OK;
+	if (status == ESKEL_STORE_OK)
+		status = esk_read_begin(store, &db, error);
 	if (status != ESKEL_STORE_OK)
 		return status;
 	status = find_keys(db, filter, INT64_MIN, -1, keys, count, error);
@@ -149,7 +157,9 @@ eskel_store_status eskel_store_list(eskel_store *store, const eskel_filter *filt
 	int64_t *keys = NULL;
 	size_t found = 0;
 	sqlite3 *db = NULL;
-	eskel_store_status status = esk_read_begin(store, &db, error);
+	eskel_store_status status = check(filter, error);
+	if (status == ESKEL_STORE_OK)
+		status = esk_read_begin(store, &db, error);
 	if (status != ESKEL_STORE_OK)
 		return status;
 	status = find_keys(db, filter, after, (int64_t)limit + 1, &keys, &found, error);

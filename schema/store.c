@@ -109,6 +109,7 @@ void eskel_store_close(eskel_store *store)
 	pthread_mutex_destroy(&store->readers_mutex);
 	pthread_cond_destroy(&store->writes_done);
 	pthread_mutex_destroy(&store->writes_mutex);
+	esk_catalogue_free(store->catalogue);
 	free(store->path);
 	free(store);
 }

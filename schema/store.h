@@ -2,7 +2,7 @@
 #ifndef ESK_STORE_H
 #define ESK_STORE_H
 
-#include "eskel_store.h"
+#include "catalogue.h"
 
 #include <pthread.h>
 #include <sqlite3.h>
@@ -23,6 +23,8 @@ struct eskel_store {
 	bool writing;              /* one thread at a time uses the writer */
 	sqlite3 *writer;
 	int log_pages; /* in the write-ahead log after the last commit */
+
+	esk_catalogue *catalogue; /* NULL: none is kept */
 
 	pthread_mutex_t readers_mutex;
 	size_t idle_count;

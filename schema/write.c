@@ -8,6 +8,7 @@ static const int checkpoint_pages = 1000;
 
 struct esk_write {
 	esk_change change;
+	esk_committed committed; /* or NULL */
 	void *context;
 	eskel_store_error *error;
 	eskel_store_status status;
@@ -63,6 +64,13 @@ static void fail_group(struct esk_write *group, const eskel_store_error *error)
 			w->status = esk_status_fail(w->error, error->status, "%s", error->text);
 }
 
+static void tell_committed(eskel_store *store, const struct esk_write *group)
+{
+	for (const struct esk_write *w = group; w; w = w->next)
+		if (w->status == ESKEL_STORE_OK && w->committed)
+			w->committed(store, w->context);
+}
+
 /* A failure is not that of the commit before, which is durable: it ends the writes that follow. */
 static void checkpoint(eskel_store *store)
 {
@@ -81,15 +89,17 @@ static void commit_group(eskel_store *store, struct esk_write *group)
 		esk_statement_execute(store->writer, "ROLLBACK", NULL);
 	if (status == ESKEL_STORE_IO || status == ESKEL_STORE_CORRUPT)
 		atomic_store(&store->read_only, true);
+	if (status == ESKEL_STORE_OK)
+		tell_committed(store, group);
 	if (status != ESKEL_STORE_OK)
 		fail_group(group, &error);
 	else if (store->log_pages >= checkpoint_pages)
 		checkpoint(store);
 }
 
-eskel_store_status esk_write(eskel_store *store, esk_change change, void *context, eskel_store_error *error)
+static eskel_store_status enqueue(eskel_store *store, struct esk_write write)
 {
-	struct esk_write mine = {.change = change, .context = context, .error = error};
+	struct esk_write mine = write;
 	pthread_mutex_lock(&store->writes_mutex);
 	struct esk_write **end = &store->waiting;
 	while (*end)
@@ -113,12 +123,21 @@ eskel_store_status esk_write(eskel_store *store, esk_change change, void *contex
 	return mine.status;
 }
 
-eskel_store_status esk_write_shapes(eskel_store *store, esk_change change, void *context, eskel_store_error *error)
+eskel_store_status esk_write(eskel_store *store, esk_change change, void *context, eskel_store_error *error)
+{
+	return enqueue(store, (struct esk_write){.change = change, .context = context, .error = error});
+}
+
+eskel_store_status esk_write_shapes(
+	eskel_store *store, esk_change change, esk_committed committed, void *context, eskel_store_error *error)
 {
 	if (store->is_beside)
 		return esk_status_fail(error, ESKEL_STORE_LOCKED,
 			"only the server that has %s open can change its shapes", store->path);
-	return esk_write(store, change, context, error);
+	return enqueue(store, (struct esk_write){.change = change,
+				      .committed = store->catalogue ? committed : NULL,
+				      .context = context,
+				      .error = error});
 }
 
 static int count_log_pages(void *context, sqlite3 *writer, const char *schema, int pages)

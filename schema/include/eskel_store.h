@@ -165,6 +165,10 @@ ESKEL_API eskel_store_status eskel_store_keys(eskel_store *store, const eskel_fi
 	size_t *count, eskel_store_error *error);
 ESKEL_API eskel_store_status eskel_store_count(eskel_store *store, uint64_t *count, eskel_store_error *error);
 
+/* From now on what filters look at is kept in memory, and eskel_store_keys reads the database only for a filter with text.
+ * To be called once, before the store is used by other threads. */
+ESKEL_API eskel_store_status eskel_store_keep_descriptions(eskel_store *store, eskel_store_error *error);
+
 /* Calls each with every signature in one consistent read, ascending keys; false stops (OK is returned). The signature
  * is the store's, valid during the call. */
 ESKEL_API eskel_store_status eskel_store_each_signature(eskel_store *store,

@@ -170,6 +170,62 @@ static void a_list_that_runs_out_of_memory_anywhere_can_be_repeated(void **state
 	}
 }
 
+static size_t found_count(store_fixture *f, const eskel_filter *filter)
+{
+	int64_t *keys = NULL;
+	size_t count = 0;
+	assert_ok(eskel_store_keys(f->store, filter, &keys, &count, &f->error), f);
+	free(keys);
+	return count;
+}
+
+/* What is kept in memory is right, or the database is asked. */
+static void filters_find_all_wherever_memory_ran_out(void **state)
+{
+	store_fixture *f = *state;
+	eskel_attribute attributes[] = {{"a", "1"}, {"b", "2"}};
+	eskel_filter filter = eskel_filter_none();
+	sample samples[2] = {sample_new(0), sample_new(1)};
+	eskel_enrollment enrollments[2];
+	filter.class = "c";
+	filter.attribute_count = 2;
+	filter.attributes = attributes;
+	for (int i = 0; i < 2; i++) {
+		samples[i].description = (eskel_description){
+			.class = "c", .subject = "s", .age = NAN, .attribute_count = 2, .attributes = attributes};
+		enrollments[i] = sample_enrollment(&samples[i], 1);
+	}
+	eskel_shape shape;
+	bool created, reached = true;
+	assert_ok(eskel_store_enroll(f->store, NULL, &enrollments[0], 1, &shape, &created, &f->error), f);
+	eskel_shape_clear(&shape);
+	for (int n = 1; reached; n++) {
+		store_reopen(f);
+		allocations_left = n;
+		eskel_store_status status = eskel_store_keep_descriptions(f->store, &f->error);
+		reached = disarm();
+		assert_true(status == ESKEL_STORE_OK || status == ESKEL_STORE_NO_MEMORY);
+		assert_int_equal(found_count(f, &filter), 1);
+	}
+	reached = true;
+	for (int n = 1; reached; n++) {
+		store_reopen(f);
+		assert_ok(eskel_store_keep_descriptions(f->store, &f->error), f);
+		allocations_left = n;
+		eskel_store_status status =
+			eskel_store_enroll(f->store, NULL, &enrollments[1], 1, &shape, &created, &f->error);
+		reached = disarm();
+		assert_int_equal(found_count(f, &filter), status == ESKEL_STORE_OK ? 2 : 1);
+		if (status != ESKEL_STORE_OK)
+			continue;
+		assert_ok(eskel_store_delete(f->store, NULL, shape.id, 0, NULL, &f->error), f);
+		assert_int_equal(found_count(f, &filter), 1);
+		eskel_shape_clear(&shape);
+	}
+	sample_free(&samples[0]);
+	sample_free(&samples[1]);
+}
+
 static void a_disk_that_fills_at_any_write_leaves_the_shape_out_and_the_store_usable(void **state)
 {
 	store_fixture *f = *state;
@@ -268,6 +324,7 @@ int main(void)
 		store_test(an_enrollment_that_runs_out_of_memory_anywhere_leaves_nothing),
 		store_test(an_open_that_runs_out_of_memory_anywhere_can_be_repeated),
 		store_test(a_list_that_runs_out_of_memory_anywhere_can_be_repeated),
+		store_test(filters_find_all_wherever_memory_ran_out),
 		store_test(a_disk_that_fills_at_any_write_leaves_the_shape_out_and_the_store_usable),
 		store_test(after_a_failed_sync_the_store_only_reads_until_it_is_opened_again),
 		store_test(a_write_error_at_any_write_ends_the_writes_and_loses_nothing_acknowledged),

@@ -56,12 +56,25 @@ typedef struct {
 	store_fixture *store;
 	int64_t keys[library_size];
 	eskel_description descriptions[library_size];
+	char ids[library_size][ESKEL_ID_SIZE];
+	bool deleted[library_size];
 } library;
 
-static int set_up(void **state)
+/* When the store begins to keep descriptions in memory: each test finds the same by SQL alone, by what was loaded, and by
+ * what was put there by enrollments. */
+typedef enum { NEVER, AFTER_ENROLLMENT, BEFORE_ENROLLMENT } keeping;
+
+static void keep(library *l)
+{
+	assert_ok(eskel_store_keep_descriptions(l->store->store, &l->store->error), l->store);
+}
+
+static int set_up_library(void **state, keeping when)
 {
 	library *l = calloc(1, sizeof *l);
 	store_set_up((void **)&l->store);
+	if (when == BEFORE_ENROLLMENT)
+		keep(l);
 	uint64_t seed = 7;
 	sample samples[library_size];
 	eskel_enrollment enrollments[library_size];
@@ -78,11 +91,29 @@ static int set_up(void **state)
 		l->store);
 	for (int i = 0; i < library_size; i++) {
 		l->keys[i] = shapes[i].key;
+		memcpy(l->ids[i], shapes[i].id, sizeof l->ids[i]);
 		eskel_shape_clear(&shapes[i]);
 		sample_free(&samples[i]);
 	}
+	if (when == AFTER_ENROLLMENT)
+		keep(l);
 	*state = l;
 	return 0;
+}
+
+static int set_up(void **state)
+{
+	return set_up_library(state, NEVER);
+}
+
+static int set_up_kept(void **state)
+{
+	return set_up_library(state, AFTER_ENROLLMENT);
+}
+
+static int set_up_put(void **state)
+{
+	return set_up_library(state, BEFORE_ENROLLMENT);
 }
 
 static int tear_down(void **state)
@@ -134,7 +165,7 @@ static void assert_answer_is_that_of_a_plain_walk(library *l, const eskel_filter
 	assert_ok(eskel_store_keys(l->store->store, f, &keys, &count, &l->store->error), l->store);
 	assert_non_null(keys);
 	for (int i = 0; i < library_size; i++) {
-		if (!accepts(f, &l->descriptions[i]))
+		if (l->deleted[i] || !accepts(f, &l->descriptions[i]))
 			continue;
 		if (expected >= count || keys[expected] != l->keys[i])
 			fail_msg("filter %d: key %d is missing or out of order", number, (int)l->keys[i]);
@@ -201,6 +232,57 @@ static void each_condition_alone_finds_what_a_plain_walk_finds(void **state)
 		assert_false(eskel_filter_is_none(&f[i]));
 		assert_answer_is_that_of_a_plain_walk(*state, &f[i], i);
 	}
+}
+
+static void describe_anew(library *l, int i, uint64_t *seed)
+{
+	eskel_shape shape;
+	l->descriptions[i] = random_description(seed);
+	assert_ok(eskel_store_describe(
+			  l->store->store, NULL, l->ids[i], 0, &l->descriptions[i], &shape, &l->store->error),
+		l->store);
+	eskel_shape_clear(&shape);
+}
+
+static void delete (library *l, int i)
+{
+	assert_ok(eskel_store_delete(l->store->store, NULL, l->ids[i], 0, NULL, &l->store->error), l->store);
+	l->deleted[i] = true;
+}
+
+/* Until a few of all are left, so that what is kept in memory has been made smaller more than once. */
+static void what_changed_is_found_as_it_is_now(void **state)
+{
+	library *l = *state;
+	uint64_t seed = 17;
+	for (int i = 0; i < library_size; i++) {
+		eskel_filter f = random_filter(&seed);
+		int changed = (int)(random_number(&seed) % library_size), gone = 7 * i % library_size;
+		if (!l->deleted[changed])
+			describe_anew(l, changed, &seed);
+		if (gone % 20 != 0)
+			delete (l, gone);
+		assert_answer_is_that_of_a_plain_walk(l, &f, i);
+	}
+	for (int i = 0; i < 100; i++) {
+		eskel_filter f = random_filter(&seed);
+		assert_answer_is_that_of_a_plain_walk(l, &f, i);
+	}
+}
+
+static void a_change_that_failed_changes_no_answer(void **state)
+{
+	library *l = *state;
+	eskel_filter f = eskel_filter_none();
+	eskel_shape shape;
+	eskel_description other = l->descriptions[3];
+	other.class = (char *)"unheard of";
+	assert_int_equal(
+		eskel_store_describe(l->store->store, NULL, l->ids[3], 77, &other, &shape, NULL), ESKEL_STORE_CONFLICT);
+	assert_int_equal(eskel_store_delete(l->store->store, NULL, l->ids[3], 77, NULL, NULL), ESKEL_STORE_CONFLICT);
+	assert_answer_is_that_of_a_plain_walk(l, &f, 0);
+	f.class = other.class;
+	assert_answer_is_that_of_a_plain_walk(l, &f, 1);
 }
 
 static void no_condition_finds_all(void **state)
@@ -313,10 +395,15 @@ static void a_filter_of_too_many_attributes_is_refused(void **state)
 
 int main(void)
 {
-#define library_test(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define library_test(name) \
+	cmocka_unit_test_setup_teardown(name, set_up, tear_down), \
+		cmocka_unit_test_setup_teardown(name, set_up_kept, tear_down), \
+		cmocka_unit_test_setup_teardown(name, set_up_put, tear_down)
 	const struct CMUnitTest tests[] = {
 		library_test(a_thousand_random_filters_find_what_a_plain_walk_finds),
 		library_test(each_condition_alone_finds_what_a_plain_walk_finds),
+		library_test(what_changed_is_found_as_it_is_now),
+		library_test(a_change_that_failed_changes_no_answer),
 		library_test(no_condition_finds_all),
 		library_test(percent_and_underscore_in_a_text_are_themselves),
 		library_test(no_answer_is_an_array_too),

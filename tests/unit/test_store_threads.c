@@ -36,6 +36,18 @@ static void assert_nothing_wrong(const arena *a)
 		fail_msg("%d things wrong, the first: %s", a->wrong, a->first_wrong);
 }
 
+static void expect_found(arena *a, const char *class, size_t expected)
+{
+	eskel_store_error error = {0};
+	eskel_filter filter = eskel_filter_none();
+	int64_t *keys = NULL;
+	size_t count = 0;
+	filter.class = class;
+	eskel_store_status status = eskel_store_keys(a->store, &filter, &keys, &count, &error);
+	expect(a, status == ESKEL_STORE_OK && count == expected, "a filter after the call sees it", &error);
+	free(keys);
+}
+
 enum { writers = 4, readers = 3, shapes_each = 30 };
 
 /* Each shape is enrolled, read back at once, described twice (name and class always equal), and every third deleted. */
@@ -57,6 +69,7 @@ static void write_one(arena *a, uint32_t number)
 		const eskel_description d = {.age = NAN, .name = text, .class = text};
 		status = eskel_store_describe(a->store, text, shape.id, revision, &d, &read, &error);
 		expect(a, status == ESKEL_STORE_OK && read.revision == revision + 1, "describe", &error);
+		expect_found(a, text, 1);
 		eskel_shape_clear(&read);
 	}
 	const eskel_description late = {.age = NAN};
@@ -65,6 +78,7 @@ static void write_one(arena *a, uint32_t number)
 	if (number % 3 == 0)
 		expect(a, eskel_store_delete(a->store, NULL, shape.id, 3, &key, &error) == ESKEL_STORE_OK, "delete",
 			&error);
+	expect_found(a, text, number % 3 == 0 ? 0 : 1);
 	eskel_shape_clear(&shape);
 }
 
@@ -130,6 +144,7 @@ static void readers_see_whole_shapes_while_writers_change_them(void **state)
 {
 	store_fixture *f = *state;
 	arena a = {.store = f->store, .writing = writers};
+	assert_ok(eskel_store_keep_descriptions(f->store, &f->error), f);
 	pthread_t threads[writers + readers];
 	for (int i = 0; i < writers + readers; i++)
 		assert_int_equal(

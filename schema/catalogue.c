@@ -1,0 +1,361 @@
+/* Columns of descriptions, see catalogue.h. Row i of each column belongs to the i-th key. A removed row stays, without
+ * life, until half of the rows are such. */
+#include "catalogue.h"
+
+#include "symbols.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+	uint32_t count;
+	uint32_t symbols[]; /* of key and value together */
+} attributes;
+
+struct esk_catalogue {
+	pthread_rwlock_t lock;
+	bool whole;
+	esk_symbols symbols;
+	size_t count, capacity, dead;
+	int64_t *keys;
+	bool *live;
+	uint8_t *sides, *sexes;
+	uint32_t *classes, *subjects;
+	double *ages;
+	attributes **attributes; /* NULL: none */
+};
+
+/* ---- rows */
+
+static bool grow_column(void *column, size_t capacity, size_t size)
+{
+	void **items = column;
+	void *moved = realloc(*items, capacity * size);
+	if (moved)
+		*items = moved;
+	return moved;
+}
+
+static bool reserve(esk_catalogue *c)
+{
+	size_t capacity = c->capacity ? 2 * c->capacity : 256;
+	if (c->count < c->capacity)
+		return true;
+	if (!grow_column(&c->keys, capacity, sizeof *c->keys) || !grow_column(&c->live, capacity, sizeof *c->live) ||
+		!grow_column(&c->sides, capacity, sizeof *c->sides) ||
+		!grow_column(&c->sexes, capacity, sizeof *c->sexes) ||
+		!grow_column(&c->classes, capacity, sizeof *c->classes) ||
+		!grow_column(&c->subjects, capacity, sizeof *c->subjects) ||
+		!grow_column(&c->ages, capacity, sizeof *c->ages) ||
+		!grow_column(&c->attributes, capacity, sizeof *c->attributes))
+		return false;
+	c->capacity = capacity;
+	return true;
+}
+
+/* The first row whose key is at least this one. */
+static size_t find(const esk_catalogue *c, int64_t key)
+{
+	size_t low = 0, high = c->count;
+	while (low < high) {
+		size_t middle = low + (high - low) / 2;
+		if (c->keys[middle] < key)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static void clear_row(esk_catalogue *c, size_t row)
+{
+	attributes *all = c->attributes[row];
+	esk_symbol_drop(&c->symbols, c->classes[row]);
+	esk_symbol_drop(&c->symbols, c->subjects[row]);
+	for (uint32_t i = 0; all && i < all->count; i++)
+		esk_symbol_drop(&c->symbols, all->symbols[i]);
+	free(all);
+	c->classes[row] = c->subjects[row] = ESK_SYMBOL_NONE;
+	c->attributes[row] = NULL;
+}
+
+static bool take_text(esk_catalogue *c, const char *text, uint32_t *symbol)
+{
+	return !text || esk_symbol_take(&c->symbols, text, strlen(text), symbol);
+}
+
+/* The key and the value with the zero byte between: no other text has one. NULL when memory ran out. */
+static char *join(const eskel_attribute *attribute, size_t *size)
+{
+	size_t key = strlen(attribute->key) + 1, value = strlen(attribute->value);
+	char *joined = malloc(key + value + 1);
+	if (!joined)
+		return NULL;
+	memcpy(joined, attribute->key, key);
+	memcpy(joined + key, attribute->value, value);
+	*size = key + value;
+	return joined;
+}
+
+static bool take_attributes(esk_catalogue *c, const eskel_description *d, attributes **taken)
+{
+	if (!d->attribute_count)
+		return true;
+	attributes *all = malloc(sizeof *all + d->attribute_count * sizeof all->symbols[0]);
+	if (!all)
+		return false;
+	*taken = all;
+	for (all->count = 0; all->count < d->attribute_count; all->count++) {
+		size_t size = 0;
+		char *joined = join(&d->attributes[all->count], &size);
+		bool good = joined && esk_symbol_take(&c->symbols, joined, size, &all->symbols[all->count]);
+		free(joined);
+		if (!good)
+			return false;
+	}
+	return true;
+}
+
+/* Into an empty row. */
+static bool set_row(esk_catalogue *c, size_t row, const eskel_description *d)
+{
+	c->live[row] = true;
+	c->sides[row] = (uint8_t)d->side;
+	c->sexes[row] = (uint8_t)d->sex;
+	c->ages[row] = d->age;
+	return take_text(c, d->class, &c->classes[row]) && take_text(c, d->subject, &c->subjects[row]) &&
+	       take_attributes(c, d, &c->attributes[row]);
+}
+
+static void move_row(esk_catalogue *c, size_t from, size_t to)
+{
+	c->keys[to] = c->keys[from];
+	c->live[to] = c->live[from];
+	c->sides[to] = c->sides[from];
+	c->sexes[to] = c->sexes[from];
+	c->classes[to] = c->classes[from];
+	c->subjects[to] = c->subjects[from];
+	c->ages[to] = c->ages[from];
+	c->attributes[to] = c->attributes[from];
+}
+
+static void bury(esk_catalogue *c)
+{
+	size_t kept = 0;
+	for (size_t row = 0; row < c->count; row++)
+		if (c->live[row])
+			move_row(c, row, kept++);
+	c->count = kept;
+	c->dead = 0;
+}
+
+/* ---- filters */
+
+typedef struct {
+	const eskel_filter *filter;
+	uint32_t class, subject, not_subject;
+	uint32_t attributes[]; /* attribute_count of the filter */
+} condition;
+
+/* False when a text that is asked for is in no row, so that no row fits. */
+static bool find_text(const esk_catalogue *c, const char *text, uint32_t *symbol)
+{
+	*symbol = text ? esk_symbol_find(&c->symbols, text, strlen(text)) : ESK_SYMBOL_NONE;
+	return !text || *symbol;
+}
+
+static bool find_attributes(const esk_catalogue *c, condition *made, bool *possible)
+{
+	for (size_t i = 0; i < made->filter->attribute_count; i++) {
+		size_t size = 0;
+		char *joined = join(&made->filter->attributes[i], &size);
+		if (!joined)
+			return false;
+		made->attributes[i] = esk_symbol_find(&c->symbols, joined, size);
+		*possible = *possible && made->attributes[i];
+		free(joined);
+	}
+	return true;
+}
+
+/* NULL when memory ran out. */
+static condition *make_condition(const esk_catalogue *c, const eskel_filter *filter, bool *possible)
+{
+	condition *made = calloc(1, sizeof *made + filter->attribute_count * sizeof made->attributes[0]);
+	if (!made)
+		return NULL;
+	made->filter = filter;
+	*possible = find_text(c, filter->class, &made->class) && find_text(c, filter->subject, &made->subject);
+	find_text(c, filter->not_subject, &made->not_subject);
+	if (find_attributes(c, made, possible))
+		return made;
+	free(made);
+	return NULL;
+}
+
+static bool has(const attributes *all, uint32_t symbol)
+{
+	for (uint32_t i = 0; all && i < all->count; i++)
+		if (all->symbols[i] == symbol)
+			return true;
+	return false;
+}
+
+enum { BLOCK = 1024 };
+
+/* Which of up to BLOCK rows from first on fit: a loop a condition, which compilers turn into vector code. */
+static void test_block(const esk_catalogue *c, const condition *of, size_t first, size_t count, bool fits[BLOCK])
+{
+	const eskel_filter *f = of->filter;
+	memcpy(fits, c->live + first, count * sizeof *fits);
+	if (f->class)
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->classes[first + i] == of->class;
+	if (f->subject)
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->subjects[first + i] == of->subject;
+	if (of->not_subject)
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->subjects[first + i] != of->not_subject;
+	if (f->side)
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->sides[first + i] == f->side;
+	if (f->sex)
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->sexes[first + i] == f->sex;
+	if (!isnan(f->age_min))
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->ages[first + i] >= f->age_min;
+	if (!isnan(f->age_max))
+		for (size_t i = 0; i < count; i++)
+			fits[i] &= c->ages[first + i] <= f->age_max;
+	for (size_t a = 0; a < f->attribute_count; a++)
+		for (size_t i = 0; i < count; i++)
+			fits[i] = fits[i] && has(c->attributes[first + i], of->attributes[a]);
+}
+
+static size_t collect(const esk_catalogue *c, const condition *of, int64_t *keys)
+{
+	bool fits[BLOCK];
+	size_t found = 0;
+	for (size_t first = 0; first < c->count; first += BLOCK) {
+		size_t count = c->count - first < BLOCK ? c->count - first : BLOCK;
+		test_block(c, of, first, count, fits);
+		for (size_t i = 0; i < count; i++) {
+			keys[found] = c->keys[first + i];
+			found += fits[i];
+		}
+	}
+	return found;
+}
+
+/* The caller has the lock. */
+static bool find_keys(const esk_catalogue *c, const eskel_filter *filter, int64_t **keys, size_t *count)
+{
+	bool possible = true;
+	condition *of = make_condition(c, filter, &possible);
+	int64_t *found = of ? malloc((c->count + 1) * sizeof *found) : NULL;
+	if (found) {
+		*count = possible ? collect(c, of, found) : 0;
+		*keys = found;
+	}
+	free(of);
+	return found;
+}
+
+bool esk_catalogue_keys(esk_catalogue *catalogue, const eskel_filter *filter, int64_t **keys, size_t *count)
+{
+	if (!catalogue || filter->text)
+		return false;
+	pthread_rwlock_rdlock(&catalogue->lock);
+	bool good = catalogue->whole && find_keys(catalogue, filter, keys, count);
+	pthread_rwlock_unlock(&catalogue->lock);
+	return good;
+}
+
+/* ---- changes */
+
+void esk_catalogue_put(esk_catalogue *catalogue, int64_t key, const eskel_description *description)
+{
+	esk_catalogue *c = catalogue;
+	pthread_rwlock_wrlock(&c->lock);
+	size_t row = find(c, key);
+	if (row < c->count && c->keys[row] == key) {
+		clear_row(c, row);
+	} else if (row == c->count && reserve(c)) {
+		c->keys[c->count++] = key;
+		c->classes[row] = c->subjects[row] = ESK_SYMBOL_NONE;
+		c->attributes[row] = NULL;
+	} else {
+		c->whole = false;
+	}
+	if (c->whole && !set_row(c, row, description))
+		c->whole = false;
+	pthread_rwlock_unlock(&c->lock);
+}
+
+void esk_catalogue_remove(esk_catalogue *catalogue, int64_t key)
+{
+	esk_catalogue *c = catalogue;
+	pthread_rwlock_wrlock(&c->lock);
+	size_t row = find(c, key);
+	if (row < c->count && c->keys[row] == key && c->live[row]) {
+		clear_row(c, row);
+		c->live[row] = false;
+		if (++c->dead > c->count / 2)
+			bury(c);
+	}
+	pthread_rwlock_unlock(&c->lock);
+}
+
+bool esk_catalogue_is_whole(esk_catalogue *catalogue)
+{
+	pthread_rwlock_rdlock(&catalogue->lock);
+	bool whole = catalogue->whole;
+	pthread_rwlock_unlock(&catalogue->lock);
+	return whole;
+}
+
+/* ---- life */
+
+/* A change that waits goes before filters that come later, or it might wait for ever. */
+static void init_lock(pthread_rwlock_t *lock)
+{
+	pthread_rwlockattr_t options;
+	pthread_rwlockattr_init(&options);
+	pthread_rwlockattr_setkind_np(&options, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
+	pthread_rwlock_init(lock, &options);
+	pthread_rwlockattr_destroy(&options);
+}
+
+esk_catalogue *esk_catalogue_new(void)
+{
+	esk_catalogue *made = calloc(1, sizeof *made);
+	if (!made)
+		return NULL;
+	init_lock(&made->lock);
+	made->whole = true;
+	return made;
+}
+
+void esk_catalogue_free(esk_catalogue *catalogue)
+{
+	esk_catalogue *c = catalogue;
+	if (!c)
+		return;
+	for (size_t row = 0; row < c->count; row++)
+		free(c->attributes[row]);
+	esk_symbols_clear(&c->symbols);
+	free(c->keys);
+	free(c->live);
+	free(c->sides);
+	free(c->sexes);
+	free(c->classes);
+	free(c->subjects);
+	free(c->ages);
+	free(c->attributes);
+	pthread_rwlock_destroy(&c->lock);
+	free(c);
+}
