@@ -57,6 +57,35 @@ static eskel_store_status fill_library(eskel_api *api, eskel_store_error *error)
 	return refuse(error, status, eskel_status_text(loading.status));
 }
 
+typedef struct {
+	eskel_store *store;
+	eskel_store_status status;
+	eskel_store_error error;
+} keeper;
+
+static void *keep_descriptions(void *context)
+{
+	keeper *k = context;
+	k->status = eskel_store_keep_descriptions(k->store, &k->error);
+	return NULL;
+}
+
+/* The descriptions in a thread of their own, while the library is filled. */
+static eskel_store_status fill_memory(eskel_api *api, eskel_store_error *error)
+{
+	keeper k = {.store = api->store};
+	pthread_t thread;
+	bool beside = pthread_create(&thread, NULL, keep_descriptions, &k) == 0;
+	eskel_store_status status = fill_library(api, error);
+	if (beside)
+		pthread_join(thread, NULL);
+	else
+		keep_descriptions(&k);
+	if (status == ESKEL_STORE_OK && k.status != ESKEL_STORE_OK && error)
+		*error = k.error;
+	return status == ESKEL_STORE_OK ? k.status : status;
+}
+
 static void set_defaults(eskel_api_options *options)
 {
 	if (options->most_body_bytes == 0)
@@ -95,9 +124,7 @@ eskel_store_status eskel_api_open(
 	set_defaults(&opened->options);
 	eskel_store_status status = eskel_store_open(database, &opened->options.store, &opened->store, error);
 	if (status == ESKEL_STORE_OK)
-		status = eskel_store_keep_descriptions(opened->store, error);
-	if (status == ESKEL_STORE_OK)
-		status = fill_library(opened, error);
+		status = fill_memory(opened, error);
 	if (status == ESKEL_STORE_OK)
 		opened->known = esk_known_new(opened->store, opened->options.most_known_bytes);
 	if (status == ESKEL_STORE_OK && !opened->known)
