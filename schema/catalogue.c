@@ -121,7 +121,6 @@ static bool take_attributes(esk_catalogue *c, const eskel_description *d, attrib
 /* Into an empty row. */
 static bool set_row(esk_catalogue *c, size_t row, const eskel_description *d)
 {
-	c->live[row] = true;
 	c->sides[row] = (uint8_t)d->side;
 	c->sexes[row] = (uint8_t)d->sex;
 	c->ages[row] = d->age;
@@ -286,6 +285,7 @@ void esk_catalogue_put(esk_catalogue *catalogue, int64_t key, const eskel_descri
 		clear_row(c, row);
 	} else if (row == c->count && reserve(c)) {
 		c->keys[c->count++] = key;
+		c->live[row] = true;
 		c->classes[row] = c->subjects[row] = ESK_SYMBOL_NONE;
 		c->attributes[row] = NULL;
 	} else {

@@ -100,8 +100,10 @@ bool esk_symbol_take(esk_symbols *symbols, const char *text, size_t size, uint32
 
 void esk_symbol_drop(esk_symbols *symbols, uint32_t symbol)
 {
+	if (symbol == ESK_SYMBOL_NONE)
+		return;
 	esk_symbol *s = &symbols->items[symbol];
-	if (symbol == ESK_SYMBOL_NONE || --s->uses > 0)
+	if (--s->uses > 0)
 		return;
 	uint32_t *link = bucket_of(symbols, s->text, s->size);
 	while (*link != symbol)
