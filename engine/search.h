@@ -30,12 +30,12 @@ static inline bool esk_search_takes_any(const esk_search *search, uint32_t chunk
 	return any != 0;
 }
 
-static inline bool esk_search_takes_all(const esk_search *search, uint32_t chunk, uint32_t slots)
+/* Makes the numbers of all slots infinite that do not take part, those included that hold no shape. */
+static inline void esk_search_leave_out(const esk_search *search, uint32_t chunk, float numbers[ESK_CHUNK_SLOTS])
 {
-	uint32_t taken = 0;
 	for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
-		taken += (uint32_t)__builtin_popcountll(search->participants[chunk][word]);
-	return taken == slots;
+		for (uint64_t out = ~search->participants[chunk][word]; out; out &= out - 1)
+			numbers[word * 64 + (uint32_t)__builtin_ctzll(out)] = INFINITY;
 }
 
 /* Notes how many shapes a step has left in. */

@@ -47,13 +47,6 @@ static esk_chunk *chunk_of(const walk *w, uint32_t id)
 	return w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
 }
 
-static void leave_out_others(const walk *w, uint32_t chunk, uint32_t slots, float *bounds)
-{
-	for (uint32_t slot = 0; slot < slots; slot++)
-		if (!esk_search_takes(w->search, chunk, slot))
-			bounds[slot] = INFINITY;
-}
-
 /* Slots of a chunk. */
 typedef struct {
 	uint32_t chunk, count;
@@ -86,14 +79,11 @@ static void scan(walk *w, esk_nearest *scouts)
 	for (uint32_t chunk = 0; chunk < snapshot->directory->chunk_count; chunk++) {
 		const uint32_t slots = esk_snapshot_slots(snapshot, chunk);
 		float *bounds = w->bounds + (size_t)chunk * ESK_CHUNK_SLOTS;
-		for (uint32_t slot = slots; slot < ESK_CHUNK_SLOTS; slot++)
-			bounds[slot] = INFINITY;
 		if (w->search->query.summed)
 			esk_search_ask_columns(w->search, chunk + 1, false);
 		if (esk_search_takes_any(w->search, chunk))
 			esk_bound_scan(&w->bound, &snapshot->directory->chunks[chunk]->columns, slots, bounds);
-		if (!esk_search_takes_all(w->search, chunk, slots))
-			leave_out_others(w, chunk, slots, bounds);
+		esk_search_leave_out(w->search, chunk, bounds);
 		offer_scouts(w, chunk, scouts);
 	}
 }

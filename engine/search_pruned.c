@@ -153,10 +153,7 @@ static void list_chunk(walk *w, uint32_t c, float enough)
 	float lower[ESK_CHUNK_SLOTS];
 	uint16_t places[ESK_CHUNK_SLOTS];
 	scan_first(w, c, slots, lower);
-	for (uint32_t slot = slots; slot < ESK_CHUNK_SLOTS; slot++)
-		lower[slot] = INFINITY;
-	for (uint32_t slot = 0; !esk_search_takes_all(w->search, c, slots) && slot < slots; slot++)
-		lower[slot] = esk_search_takes(w->search, c, slot) ? lower[slot] : INFINITY;
+	esk_search_leave_out(w->search, c, lower);
 	const uint32_t found = esk_below(lower, ESK_CHUNK_SLOTS, enough, places);
 	for (uint32_t i = 0; i < found; i++)
 		w->all[w->count++] = (esk_candidate){lower[places[i]], esk_snapshot_id(c, places[i])};

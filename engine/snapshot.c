@@ -96,26 +96,48 @@ static size_t advance(const int64_t *keys, size_t count, size_t begin, int64_t k
 	return low;
 }
 
-/* Keys that ascend on both sides are merged, which costs little where they do not overlap; the others are looked up one by
- * one. The writer may add to the ascending keys meanwhile; those that were there stay so. */
+static inline void set(uint64_t *slots, size_t slot, bool found)
+{
+	slots[slot / 64] |= (uint64_t)found << slot % 64;
+}
+
+/* Sets the slots of keys that are there; both lists ascend. Few keys gallop along the slots, many are merged. */
+static void merge(
+	const int64_t *their_keys, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t *slots)
+{
+	if (8 * key_count < slot_count) {
+		for (size_t at = 0, slot = 0; at < key_count; at++) {
+			slot = advance(their_keys, slot_count, slot, keys[at]);
+			if (slot < slot_count)
+				set(slots, slot, their_keys[slot] == keys[at]);
+		}
+		return;
+	}
+	for (size_t slot = 0, at = 0; slot < slot_count; slot++) {
+		while (at < key_count && keys[at] < their_keys[slot])
+			at++;
+		if (at == key_count)
+			return;
+		set(slots, slot, keys[at] == their_keys[slot]);
+	}
+}
+
+/* The writer may add to the ascending keys meanwhile; those that were there stay so. The others are looked up one by one. */
 void esk_chunk_find(
 	esk_chunk *chunk, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t slots[ESK_CHUNK_WORDS])
 {
 	const uint32_t noted = atomic_load_explicit(&chunk->ascending, memory_order_relaxed);
 	const uint32_t ascending = noted < slot_count ? noted : slot_count;
 	memset(slots, 0, ESK_CHUNK_WORDS * sizeof *slots);
-	size_t slot = 0, at = ascending ? advance(keys, key_count, 0, chunk->keys[0]) : key_count;
-	while (at < key_count && (slot = advance(chunk->keys, ascending, slot, keys[at])) < ascending) {
-		if (chunk->keys[slot] == keys[at]) {
-			slots[slot / 64] |= UINT64_C(1) << slot % 64;
-			at++;
-		} else {
-			at = advance(keys, key_count, at, chunk->keys[slot]);
-		}
+	if (ascending > 0) {
+		const int64_t greatest = chunk->keys[ascending - 1];
+		const size_t first = advance(keys, key_count, 0, chunk->keys[0]);
+		const size_t last = advance(keys, key_count, first, greatest);
+		const bool one_more = last < key_count && keys[last] == greatest;
+		merge(chunk->keys, ascending, keys + first, last + one_more - first, slots);
 	}
-	for (slot = ascending; slot < slot_count; slot++) {
-		at = advance(keys, key_count, 0, chunk->keys[slot]);
-		if (at < key_count && keys[at] == chunk->keys[slot])
-			slots[slot / 64] |= UINT64_C(1) << slot % 64;
+	for (size_t slot = ascending; slot < slot_count; slot++) {
+		const size_t at = advance(keys, key_count, 0, chunk->keys[slot]);
+		set(slots, slot, at < key_count && keys[at] == chunk->keys[slot]);
 	}
 }
