@@ -10,7 +10,10 @@
 typedef struct {
 	const esk_levels_input *input;
 	esk_levels *levels;
-	esk_partition partition;      /* of the last level */
+	esk_partition partition; /* of the last level */
+	esk_labelling labelling; /* its labels */
+	esk_segment *segments;   /* and its classes one after the other: class j is from first[j] to first[j + 1] */
+	size_t first[ESKEL_LEVELS_MAX + 1];
 	bool known[ESKEL_LEVELS_MAX]; /* the split of a class whose voxels have not changed since */
 	esk_split splits[ESKEL_LEVELS_MAX];
 } builder;
@@ -21,17 +24,14 @@ static eskel_status split_classes(builder *b)
 	const uint32_t k = b->levels->count;
 	const esk_moments *classes = &b->levels->classes[ESKEL_NODES(k - 1)];
 	const eskel_affine *map = k == 1 ? input->root_map : &input->metric->map;
-	esk_segment *segments = NULL;
-	size_t first[ESKEL_LEVELS_MAX + 1];
-	eskel_status status = esk_labelling_collect(&b->partition.labelling, &segments, first);
+	eskel_status status = ESKEL_OK;
 	for (uint32_t j = 0; !status && j < k; j++) {
 		if (b->known[j])
 			continue;
-		status = esk_split_class(
-			segments + first[j], first[j + 1] - first[j], &classes[j], input->metric, map, &b->splits[j]);
+		status = esk_split_class(b->segments + b->first[j], b->first[j + 1] - b->first[j], &classes[j],
+			input->metric, map, &b->splits[j]);
 		b->known[j] = true;
 	}
-	free(segments);
 	return status;
 }
 
@@ -84,28 +84,58 @@ static double intraclass_ratio(const builder *b, const esk_moments *classes, uin
 	return whole > 0 ? sum / whole : 0;
 }
 
-static void add_first_level(builder *b)
+static void sum_moments(const esk_segment *segments, size_t count, esk_moments *moments)
 {
-	esk_labelling_moments(&b->partition.labelling, (const bool[ESKEL_LEVELS_MAX]){true}, b->levels->classes);
+	*moments = (esk_moments){0};
+	for (size_t i = 0; i < count; i++)
+		esk_moments_add(moments, &segments[i]);
+}
+
+/* The only class of the first level is all of the segments. */
+static eskel_status add_first_level(builder *b)
+{
+	const esk_levels_input *input = b->input;
+	b->segments = esk_memory_array(input->segment_count, sizeof *b->segments);
+	if (!b->segments)
+		return ESKEL_NO_MEMORY;
+	memcpy(b->segments, input->segments, input->segment_count * sizeof *b->segments);
+	for (uint32_t j = 1; j <= ESKEL_LEVELS_MAX; j++)
+		b->first[j] = input->segment_count;
+	sum_moments(b->segments, input->segment_count, b->levels->classes);
 	b->levels->about[0] = (eskel_level){.level = 1, .split_class = -1};
 	b->levels->about[0].intraclass_ratio = intraclass_ratio(b, b->levels->classes, 1);
 	b->levels->count = 1;
+	return ESKEL_OK;
 }
 
 /* Adds the level that starts lead to. Moments and splits of classes that come out as they were are kept. */
 static eskel_status add_level(builder *b, const eskel_level *about, const esk_sums *starts)
 {
 	const uint32_t k = b->levels->count;
-	bool *touched = b->partition.labelling.touched;
 	esk_moments *classes = &b->levels->classes[ESKEL_NODES(k)];
-	memset(touched, 0, sizeof b->partition.labelling.touched);
+	const esk_moments *before = &b->levels->classes[ESKEL_NODES(k - 1)];
+	esk_segment *segments = NULL;
+	size_t first[ESKEL_LEVELS_MAX + 1];
 	eskel_status status = esk_partition_converge(&b->partition, starts, k + 1);
+	if (!status)
+		status = esk_partition_label(&b->partition, &b->labelling);
+	if (!status)
+		status = esk_labelling_collect(&b->labelling, &segments, first);
 	if (status)
 		return status;
-	memcpy(classes, &b->levels->classes[ESKEL_NODES(k - 1)], k * sizeof *classes);
-	esk_labelling_moments(&b->partition.labelling, touched, classes);
-	for (uint32_t j = 0; j <= k; j++)
-		b->known[j] = b->known[j] && !touched[j];
+	for (uint32_t j = 0; j <= k; j++) {
+		const size_t count = first[j + 1] - first[j];
+		const bool same = j < k && count == b->first[j + 1] - b->first[j] &&
+				  !memcmp(segments + first[j], b->segments + b->first[j], count * sizeof *segments);
+		if (same)
+			classes[j] = before[j];
+		else
+			sum_moments(segments + first[j], count, &classes[j]);
+		b->known[j] = b->known[j] && same;
+	}
+	free(b->segments);
+	b->segments = segments;
+	memcpy(b->first, first, sizeof first);
 	b->levels->about[k] = *about;
 	b->levels->about[k].intraclass_ratio = intraclass_ratio(b, classes, k + 1);
 	b->levels->count = k + 1;
@@ -115,7 +145,9 @@ static eskel_status add_level(builder *b, const eskel_level *about, const esk_su
 static eskel_status build(builder *b)
 {
 	const esk_levels_input *input = b->input;
-	add_first_level(b);
+	eskel_status status = add_first_level(b);
+	if (status)
+		return status;
 	for (;;) {
 		const uint32_t k = b->levels->count;
 		if (input->progress && !input->progress(input->context, k, input->levels))
@@ -124,7 +156,6 @@ static eskel_status build(builder *b)
 			return ESKEL_OK;
 		esk_sums starts[ESKEL_LEVELS_MAX];
 		eskel_level about = {.level = k + 1};
-		eskel_status status = ESKEL_OK;
 		if (input->starts && k < input->starts->count)
 			start_from(input->starts, k, &about, starts);
 		else
@@ -149,6 +180,8 @@ eskel_status esk_levels_compute(const esk_levels_input *input, esk_levels *level
 	if (!status)
 		status = build(b);
 	esk_partition_clear(&b->partition);
+	esk_labelling_clear(&b->labelling);
+	free(b->segments);
 	free(b);
 	return status;
 }

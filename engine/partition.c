@@ -7,24 +7,23 @@ eskel_status esk_partition_init(
 	esk_partition *partition, const esk_segment *segments, size_t segment_count, const esk_metric *metric)
 {
 	*partition = (esk_partition){.metric = metric};
-	eskel_status status = esk_labelling_init(&partition->labelling, segments, segment_count);
-	if (!status)
-		status = esk_relabeller_init(&partition->relabeller, &partition->labelling);
-	if (status)
-		esk_partition_clear(partition);
-	return status;
+	return esk_relabeller_init(&partition->relabeller, segments, segment_count);
 }
 
 void esk_partition_clear(esk_partition *partition)
 {
 	esk_relabeller_clear(&partition->relabeller);
-	esk_labelling_clear(&partition->labelling);
 }
 
-eskel_status esk_partition_assign(esk_partition *partition, const esk_scores *scores)
+void esk_partition_assign(esk_partition *partition, const esk_scores *scores)
 {
 	esk_relabeller_restart(&partition->relabeller);
-	return esk_relabeller_run(&partition->relabeller, scores);
+	esk_relabeller_run(&partition->relabeller, scores, partition->sums);
+}
+
+eskel_status esk_partition_label(const esk_partition *partition, esk_labelling *labelling)
+{
+	return esk_relabeller_label(&partition->relabeller, labelling);
 }
 
 static bool is_same(const esk_sums *a, const esk_sums *b)
@@ -51,73 +50,53 @@ static double squared_distance(const esk_metric *metric, const esk_sums *sums, c
 	return sum;
 }
 
-/* A voxel at an end of a piece. */
-typedef struct {
-	size_t segment;
-	uint32_t piece;
-	int32_t x;
-} piece_end;
-
-/* The voxel farthest from its centre, among classes of two voxels or more; the first one on a tie. Distance is convex
- * along a piece, so the ends of pieces suffice. */
-static piece_end farthest_voxel(const esk_labelling *labelling, const esk_metric *metric)
+/* Gives a class the voxel farthest from its centre, among classes of two voxels or more; the first one on a tie.
+ * Distance is convex along a part, so the ends of parts suffice. */
+static eskel_status give_farthest_voxel(esk_partition *partition, esk_labelling *labelling, uint32_t class_index)
 {
+	esk_sums *sums = partition->sums;
 	uint64_t voxels[ESKEL_LEVELS_MAX] = {0};
-	for (esk_piece_cursor c = esk_labelling_first(labelling); c.valid; esk_labelling_next(labelling, &c))
-		voxels[c.class_index] += esk_segment_voxels(&c.part);
+	for (size_t i = 0; i < labelling->count; i++)
+		voxels[labelling->parts[i].class_index] += esk_segment_voxels(&labelling->parts[i].segment);
 	double farthest = -1;
-	piece_end found = {0};
-	for (esk_piece_cursor c = esk_labelling_first(labelling); c.valid; esk_labelling_next(labelling, &c))
-		for (int i = 0; i < 2 && voxels[c.class_index] >= 2; i++) {
-			const double u[3] = {i ? c.part.x_last : c.part.x_first, c.part.y, c.part.z};
-			const double d = squared_distance(metric, &labelling->sums[c.class_index], u);
+	size_t found = 0;
+	esk_segment voxel = {0};
+	for (size_t i = 0; i < labelling->count; i++) {
+		const esk_part *part = &labelling->parts[i];
+		for (int end = 0; end < 2 && voxels[part->class_index] >= 2; end++) {
+			const int32_t x = end ? part->segment.x_last : part->segment.x_first;
+			const double u[3] = {x, part->segment.y, part->segment.z};
+			const double d = squared_distance(partition->metric, &sums[part->class_index], u);
 			if (d > farthest) {
 				farthest = d;
-				found = (piece_end){c.segment, c.piece, (int32_t)u[0]};
+				found = i;
+				voxel = part->segment;
+				voxel.x_first = voxel.x_last = x;
 			}
 		}
-	return found;
-}
-
-/* Cuts the voxel off its piece and gives it to the class. */
-static eskel_status give_voxel(esk_labelling *labelling, piece_end voxel, uint32_t class_index)
-{
-	const esk_slot slot = labelling->slots[voxel.segment];
-	const esk_piece *old = labelling->pieces + slot.first;
-	esk_piece pieces[ESKEL_LEVELS_MAX + 1];
-	uint32_t count = 0;
-	int32_t x_first = labelling->segments[voxel.segment].x_first;
-	for (uint32_t i = 0; i < slot.count; i++) {
-		const bool here = i == voxel.piece, at_first = here && voxel.x == x_first;
-		const bool alone = at_first && old[i].x_last == x_first;
-		if (at_first)
-			pieces[count++] = (esk_piece){voxel.x, class_index};
-		if (!alone)
-			pieces[count++] = old[i];
-		if (here && !at_first) {
-			pieces[count - 1].x_last = voxel.x - 2;
-			pieces[count++] = (esk_piece){voxel.x, class_index};
-		}
-		x_first = old[i].x_last + 2;
 	}
-	return esk_labelling_replace(labelling, voxel.segment, pieces, count);
+	esk_sums_remove(&sums[labelling->parts[found].class_index], &voxel);
+	esk_sums_add(&sums[class_index], &voxel);
+	return esk_labelling_give(labelling, found, voxel.x_first, class_index);
 }
 
 /* Gives every empty class a voxel. *filled tells whether there was one. */
 static eskel_status fill_empty_classes(esk_partition *partition, uint32_t count, bool *filled)
 {
-	esk_labelling *labelling = &partition->labelling;
+	esk_labelling labelling = {0};
+	eskel_status status = ESKEL_OK;
 	*filled = false;
-	for (uint32_t j = 0; j < count; j++) {
-		if (labelling->sums[j].weight)
+	for (uint32_t j = 0; j < count && !status; j++) {
+		if (partition->sums[j].weight)
 			continue;
-		eskel_status status = give_voxel(labelling, farthest_voxel(labelling, partition->metric), j);
-		if (status)
-			return status;
-		esk_relabeller_restart(&partition->relabeller);
+		if (!*filled)
+			status = esk_partition_label(partition, &labelling);
+		if (!status)
+			status = give_farthest_voxel(partition, &labelling, j);
 		*filled = true;
 	}
-	return ESKEL_OK;
+	esk_labelling_clear(&labelling);
+	return status;
 }
 
 /* Every pass lowers sum w V over the classes, or keeps it and moves tied voxels to lower indices, so that no partition
@@ -135,12 +114,11 @@ eskel_status esk_partition_converge(esk_partition *partition, const esk_sums *st
 	esk_relabeller_restart(&partition->relabeller);
 	for (uint64_t passes = 1;; passes++) {
 		bool filled = false;
-		eskel_status status = esk_relabeller_run(&partition->relabeller, &scores);
-		if (!status)
-			status = fill_empty_classes(partition, count, &filled);
+		esk_relabeller_run(&partition->relabeller, &scores, partition->sums);
+		eskel_status status = fill_empty_classes(partition, count, &filled);
 		if (status)
 			return status;
-		memcpy(now, partition->labelling.sums, count * sizeof *now);
+		memcpy(now, partition->sums, count * sizeof *now);
 		if (are_same(now, before, count) || are_same(now, snapshot, count))
 			return filled ? ESKEL_NUMERIC : ESKEL_OK;
 		for (uint32_t j = 0; j < count; j++)

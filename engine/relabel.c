@@ -1,11 +1,13 @@
-/* Most voxels keep their class from pass to pass, so a pass goes over blocks of neighbouring segments and in each
+/* A pass sums up every class anew over packs of segments (envelope.h); between passes no labels are kept, only where which
+ * classes can win. Scores move little from pass to pass, so
  *
- *	1. finds the candidates: classes that win somewhere in the block's box, as far as one comparison with the winner at
- *	   its centre tells. No other class matters there.
- *	2. skips settled segments. Leads of a winner over another class are linear along a piece, so no label changes before
- *	   scores have moved, relative to each other, by the segment's slack (cutter.h). The block's clock adds up how far
- *	   the candidates' scores have moved in its box; a new candidate makes it look at all segments again.
- *	3. has the others checked, and cut anew where that is needed.
+ *	1. a block of neighbouring packs finds its candidates in every pass: the classes that win somewhere in its box, as
+ *	   far as one comparison with the winner at its centre tells. No other class matters there.
+ *	2. each pack has candidates of its own among them, found in its smaller box, and some more that come within a margin
+ *	   of winning. As long as scores have not moved, relative to each other, by the least lead over a class that is left
+ *	   out, no such class can win there. The block's clock adds up how far its candidates' scores have moved in its box;
+ *	   a new candidate, or another order of ranks, makes all packs of the block look again.
+ *	3. a pack with one candidate belongs to it as a whole, and takes no more time until it is due. The others are divided.
  */
 #include "relabel.h"
 
@@ -13,66 +15,118 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { BLOCK_SEGMENTS = 256 }; /* 128 to 256 are alike; smaller boxes do not pay for more looks at blocks */
+enum {
+	BLOCK_PACKS = 32, /* 16 to 32 are alike */
+	NO_CLASS = ESKEL_LEVELS_MAX,
+};
+
+/* The margin in movements of the last pass: with less, packs look again more often, with more they have more candidates;
+ * 1 to 2 are alike. */
+static const double margin = 1.5;
+
+typedef struct esk_outlook {
+	esk_box box;
+	esk_sums sums;  /* of all voxels */
+	int64_t due;    /* when the block's clock is there, candidates are to be found again */
+	uint32_t alone; /* the class that all voxels are counted for in relabeller->alone, or NO_CLASS */
+} outlook;
 
 typedef struct esk_block {
-	double centre[3], half[3]; /* of a box around the segments */
+	esk_box box;
 	int64_t clock;
-	int64_t due;         /* the least settled of its segments */
+	int64_t due;         /* the least of its packs */
 	uint64_t candidates; /* of the last pass, a bit a class */
 } block;
 
+static size_t least_of(size_t a, size_t b)
+{
+	return a < b ? a : b;
+}
+
 static size_t block_end(const esk_relabeller *relabeller, size_t b)
 {
-	const size_t end = (b + 1) * BLOCK_SEGMENTS, all = relabeller->labelling->segment_count;
-	return end < all ? end : all;
+	return least_of((b + 1) * BLOCK_PACKS, relabeller->pack_count);
 }
 
-static void set_box(const esk_relabeller *relabeller, size_t b)
+static void add_sums(esk_sums *sums, const esk_sums *more)
 {
-	const esk_segment *s = &relabeller->labelling->segments[b * BLOCK_SEGMENTS];
-	int32_t least[3] = {s->x_first, s->y, s->z}, greatest[3] = {s->x_last, s->y, s->z};
-	for (size_t i = b * BLOCK_SEGMENTS; i < block_end(relabeller, b); i++) {
-		s = &relabeller->labelling->segments[i];
-		const int32_t first[3] = {s->x_first, s->y, s->z}, last[3] = {s->x_last, s->y, s->z};
+	sums->weight += more->weight;
+	for (int r = 0; r < 3; r++)
+		sums->first[r] += more->first[r];
+}
+
+static void remove_sums(esk_sums *sums, const esk_sums *less)
+{
+	sums->weight -= less->weight;
+	for (int r = 0; r < 3; r++)
+		sums->first[r] -= less->first[r];
+}
+
+static void set_pack(esk_relabeller *relabeller, size_t p)
+{
+	const esk_segment *segments = relabeller->segments + p * ESK_PACK;
+	const size_t count = least_of(ESK_PACK, relabeller->segment_count - p * ESK_PACK);
+	outlook *o = &relabeller->outlooks[p];
+	block *b = &relabeller->blocks[p / BLOCK_PACKS];
+	relabeller->packs[p] = esk_pack_of(segments, count);
+	*o = (outlook){.box = esk_pack_box(&relabeller->packs[p]), .alone = NO_CLASS};
+	for (size_t i = 0; i < count; i++)
+		esk_sums_add(&o->sums, &segments[i]);
+	b->box = p % BLOCK_PACKS ? esk_box_join(&b->box, &o->box) : o->box;
+}
+
+/* Whether a tally may pass 2^53: sum w |u_r| <= sum w max |u_r|. */
+static bool is_heavy(const esk_relabeller *relabeller)
+{
+	double weight = 0, farthest = 1;
+	for (size_t p = 0; p < relabeller->pack_count; p++)
+		weight += (double)relabeller->outlooks[p].sums.weight;
+	for (size_t b = 0; b < relabeller->block_count; b++)
 		for (int r = 0; r < 3; r++) {
-			least[r] = first[r] < least[r] ? first[r] : least[r];
-			greatest[r] = last[r] > greatest[r] ? last[r] : greatest[r];
+			const esk_box *box = &relabeller->blocks[b].box;
+			farthest = fmax(farthest, fabs(box->centre[r]) + box->half[r]);
 		}
-	}
-	for (int r = 0; r < 3; r++) {
-		relabeller->blocks[b].centre[r] = (least[r] + greatest[r]) / 2; /* of one parity, so exact */
-		relabeller->blocks[b].half[r] = (greatest[r] - least[r]) / 2;
-	}
+	return weight * farthest >= 0x1p52;
 }
 
-eskel_status esk_relabeller_init(esk_relabeller *relabeller, esk_labelling *labelling)
+eskel_status esk_relabeller_init(esk_relabeller *relabeller, const esk_segment *segments, size_t segment_count)
 {
-	const size_t blocks = (labelling->segment_count + BLOCK_SEGMENTS - 1) / BLOCK_SEGMENTS;
+	const size_t packs = (segment_count + ESK_PACK - 1) / ESK_PACK,
+		     blocks = (packs + BLOCK_PACKS - 1) / BLOCK_PACKS;
 	*relabeller = (esk_relabeller){
-		.labelling = labelling,
+		.segments = segments,
+		.segment_count = segment_count,
+		.pack_count = packs,
 		.block_count = blocks,
+		.envelope = esk_memory_array(1, sizeof *relabeller->envelope),
+		.packs = esk_memory_array(packs, sizeof *relabeller->packs),
+		.outlooks = esk_memory_array(packs, sizeof *relabeller->outlooks),
+		.candidates = esk_memory_array(packs, sizeof *relabeller->candidates),
 		.blocks = esk_memory_zeroed_array(blocks, sizeof *relabeller->blocks),
-		.settled = esk_memory_array(labelling->segment_count, sizeof *relabeller->settled),
+		.tally = esk_memory_array(1, sizeof *relabeller->tally),
 	};
-	eskel_status status = relabeller->blocks && relabeller->settled ? ESKEL_OK : ESKEL_NO_MEMORY;
-	if (!status)
-		status = esk_cutter_init(&relabeller->cutter, labelling, relabeller->settled);
-	if (status) {
+	if (!relabeller->envelope || !relabeller->packs || !relabeller->outlooks || !relabeller->candidates ||
+		!relabeller->blocks || !relabeller->tally) {
 		esk_relabeller_clear(relabeller);
-		return status;
+		return ESKEL_NO_MEMORY;
 	}
-	for (size_t b = 0; b < blocks; b++)
-		set_box(relabeller, b);
+	relabeller->envelope->count = 0;
+	for (size_t p = 0; p < packs; p++)
+		set_pack(relabeller, p);
+	relabeller->heavy = is_heavy(relabeller);
 	return ESKEL_OK;
 }
 
 void esk_relabeller_clear(esk_relabeller *relabeller)
 {
-	esk_cutter_clear(&relabeller->cutter);
+	free(relabeller->envelope);
+	free(relabeller->packs);
+	free(relabeller->outlooks);
+	free(relabeller->candidates);
 	free(relabeller->blocks);
-	free(relabeller->settled);
+	free(relabeller->tally);
 	*relabeller = (esk_relabeller){0};
 }
 
@@ -81,29 +135,7 @@ void esk_relabeller_restart(esk_relabeller *relabeller)
 	relabeller->before.count = 0;
 }
 
-/* The scores of the candidates, and their bits. All numbers are integers below 2^53: the greatest difference of two scores in the box bounds them. */
-static uint64_t find_candidates(const block *b, const esk_scores *scores, esk_scores *near)
-{
-	double at_centre[ESKEL_LEVELS_MAX];
-	uint32_t winner = 0;
-	for (uint32_t j = 0; j < scores->count; j++) {
-		at_centre[j] = esk_scores_at(scores, j, b->centre[0], b->centre[1], b->centre[2]);
-		winner = at_centre[j] < at_centre[winner] ? j : winner;
-	}
-	uint64_t candidates = 0;
-	near->count = 0;
-	for (uint32_t j = 0; j < scores->count; j++) {
-		double least_lead = at_centre[j] - at_centre[winner]; /* of the winner over j, in the box */
-		for (int r = 0; r < 3; r++)
-			least_lead -= fabs(scores->slope[r][j] - scores->slope[r][winner]) * b->half[r];
-		near->constant[near->count] = scores->constant[j];
-		for (int r = 0; r < 3; r++)
-			near->slope[r][near->count] = scores->slope[r][j];
-		near->count += least_lead <= 0;
-		candidates |= (uint64_t)(least_lead <= 0) << j;
-	}
-	return candidates;
-}
+/* ---- candidates */
 
 /* How far the scores of two candidates of the last pass may have moved relative to each other in the box: the sum of
  * the two greatest movements. */
@@ -115,8 +147,8 @@ static int64_t movement_in(const block *b, const esk_scores *before, const esk_s
 		double at_centre = now->constant[j] - before->constant[j], around = 0;
 		for (int r = 0; r < 3; r++) {
 			double slope = now->slope[r][j] - before->slope[r][j];
-			at_centre += slope * b->centre[r];
-			around += fabs(slope) * b->half[r];
+			at_centre += slope * b->box.centre[r];
+			around += fabs(slope) * b->box.half[r];
 		}
 		const double movement = fabs(at_centre) + around;
 		second = movement > greatest ? greatest : movement > second ? movement : second;
@@ -125,61 +157,148 @@ static int64_t movement_in(const block *b, const esk_scores *before, const esk_s
 	return (int64_t)greatest + (int64_t)second;
 }
 
-/* Segments that are not settled; written without a branch, as about half of them are. */
-static size_t list_unsettled(const esk_relabeller *relabeller, size_t index, size_t list[BLOCK_SEGMENTS])
+/* Finds the candidates of a pack among these ranks: those of either half of its box, as long boxes have many. */
+static void look_again(esk_relabeller *relabeller, size_t p, uint64_t ranks, int64_t clock, double within)
 {
-	const int64_t clock = relabeller->blocks[index].clock;
-	size_t count = 0;
-	for (size_t i = index * BLOCK_SEGMENTS; i < block_end(relabeller, index); i++) {
-		list[count] = i;
-		count += relabeller->settled[i] <= clock;
-	}
-	return count;
+	const esk_envelope *e = relabeller->envelope;
+	outlook *o = &relabeller->outlooks[p];
+	double least_lead = 0x1p60;
+	esk_box half = o->box;
+	half.half[0] /= 2;
+	half.centre[0] -= half.half[0];
+	uint64_t found = esk_envelope_candidates(e, &half, within, &least_lead);
+	half.centre[0] += 2 * half.half[0];
+	found = ranks & (found | esk_envelope_candidates(e, &half, within, &least_lead));
+	relabeller->candidates[p] = found;
+	o->due = clock + (int64_t)least_lead;
+	if (o->alone != NO_CLASS)
+		remove_sums(&relabeller->alone[o->alone], &o->sums);
+	o->alone = found & (found - 1) ? NO_CLASS : e->class_index[__builtin_ctzll(found)];
+	if (o->alone != NO_CLASS)
+		add_sums(&relabeller->alone[o->alone], &o->sums);
 }
 
-static void unsettle(esk_relabeller *relabeller, size_t index)
+static uint64_t classes_of(const esk_envelope *e, uint64_t ranks)
 {
-	relabeller->blocks[index].clock = 0;
-	relabeller->blocks[index].due = 0;
-	for (size_t i = index * BLOCK_SEGMENTS; i < block_end(relabeller, index); i++)
-		relabeller->settled[i] = 0;
+	uint64_t classes = 0;
+	for (; ranks; ranks &= ranks - 1)
+		classes |= (uint64_t)1 << e->class_index[__builtin_ctzll(ranks)];
+	return classes;
 }
 
-static int64_t least_settled(const esk_relabeller *relabeller, size_t index)
-{
-	int64_t least = INT64_MAX;
-	for (size_t i = index * BLOCK_SEGMENTS; i < block_end(relabeller, index); i++)
-		least = relabeller->settled[i] < least ? relabeller->settled[i] : least;
-	return least;
-}
-
-static eskel_status label_block(esk_relabeller *relabeller, size_t index, const esk_scores *scores)
+/* Brings the candidates of the packs of a block up to date. */
+static void update_block(esk_relabeller *relabeller, size_t index, const esk_scores *scores, bool same_ranks)
 {
 	block *b = &relabeller->blocks[index];
-	esk_scores near;
-	const uint64_t candidates = find_candidates(b, scores, &near);
-	if (!relabeller->before.count || (candidates & ~b->candidates) || b->clock > INT64_MAX / 2)
-		unsettle(relabeller, index);
-	else
-		b->clock += movement_in(b, &relabeller->before, scores);
+	double ignored = INFINITY;
+	const uint64_t ranks = esk_envelope_candidates(relabeller->envelope, &b->box, 0, &ignored);
+	const uint64_t candidates = classes_of(relabeller->envelope, ranks);
+	const bool all =
+		!relabeller->before.count || !same_ranks || (candidates & ~b->candidates) || b->clock > INT64_MAX / 4;
+	const int64_t moved = relabeller->before.count ? movement_in(b, &relabeller->before, scores) : 0;
+	b->clock = all ? 0 : b->clock + moved;
 	b->candidates = candidates;
-	if (b->due > b->clock)
-		return ESKEL_OK;
-	size_t list[BLOCK_SEGMENTS];
-	eskel_status status = esk_cutter_run(
-		&relabeller->cutter, scores, &near, b->clock, list, list_unsettled(relabeller, index, list));
-	b->due = least_settled(relabeller, index);
-	return status;
+	if (!all && b->due > b->clock)
+		return;
+	b->due = INT64_MAX;
+	for (size_t p = index * BLOCK_PACKS; p < block_end(relabeller, index); p++) {
+		outlook *o = &relabeller->outlooks[p];
+		if (all || o->due <= b->clock)
+			look_again(relabeller, p, ranks, b->clock, margin * (double)moved);
+		b->due = o->due < b->due ? o->due : b->due;
+	}
 }
 
-eskel_status esk_relabeller_run(esk_relabeller *relabeller, const esk_scores *scores)
+/* ---- labels */
+
+/* The parts that the winners have of count segments, at most a pack. Returns how many. */
+enum { MOST_PARTS = ESK_PACK * ESKEL_LEVELS_MAX };
+
+static size_t divide(const esk_envelope *e, const esk_segment *segments, size_t count, esk_part parts[MOST_PARTS])
 {
-	relabeller->labelling->class_count = scores->count;
-	for (size_t b = 0; b < relabeller->block_count; b++) {
-		eskel_status status = label_block(relabeller, b, scores);
-		if (status)
-			return status;
+	esk_stretch stretches[ESKEL_LEVELS_MAX];
+	const esk_pack pack = esk_pack_of(segments, count);
+	const esk_box box = esk_pack_box(&pack);
+	double ignored = INFINITY;
+	const uint64_t candidates = esk_envelope_candidates(e, &box, 0, &ignored);
+	esk_envelope_divide(e, &pack, candidates, stretches);
+	size_t found = 0;
+	for (size_t i = 0; i < count; i++) {
+		const esk_stretch *s = stretches;
+		for (uint64_t rest = candidates; rest; rest &= rest - 1, s++) {
+			esk_part *part = &parts[found];
+			*part = (esk_part){segments[i], e->class_index[__builtin_ctzll(rest)]};
+			part->segment.x_first += 2 * (int32_t)s->first[i];
+			part->segment.x_last = part->segment.x_first + 2 * ((int32_t)s->voxels[i] - 1);
+			found += s->voxels[i] > 0;
+		}
 	}
-	relabeller->before = *scores;
+	return found;
+}
+
+eskel_status esk_relabeller_label(const esk_relabeller *relabeller, esk_labelling *labelling)
+{
+	esk_part parts[MOST_PARTS];
+	labelling->count = 0;
+	for (size_t i = 0; i < relabeller->segment_count; i += ESK_PACK) {
+		const size_t count = least_of(ESK_PACK, relabeller->segment_count - i);
+		const size_t found = divide(relabeller->envelope, relabeller->segments + i, count, parts);
+		if (!esk_labelling_add(labelling, parts, found))
+			return ESKEL_NO_MEMORY;
+	}
 	return ESKEL_OK;
+}
+
+/* ---- passes */
+
+/* The sums of all classes from the parts of all segments: slower, and right for any weights. */
+static void sum_parts(const esk_relabeller *relabeller, esk_sums *sums)
+{
+	esk_part parts[MOST_PARTS];
+	for (size_t i = 0; i < relabeller->segment_count; i += ESK_PACK) {
+		const size_t count = least_of(ESK_PACK, relabeller->segment_count - i);
+		const size_t found = divide(relabeller->envelope, relabeller->segments + i, count, parts);
+		for (size_t n = 0; n < found; n++)
+			esk_sums_add(&sums[parts[n].class_index], &parts[n].segment);
+	}
+}
+
+static int64_t total(const double lanes[ESK_PACK])
+{
+	double sum = 0;
+	for (int i = 0; i < ESK_PACK; i++)
+		sum += lanes[i];
+	return (int64_t)sum;
+}
+
+static void sum_packs(esk_relabeller *relabeller, const esk_scores *scores, bool same_ranks, esk_sums *sums)
+{
+	const esk_envelope *e = relabeller->envelope;
+	esk_tally *tally = relabeller->tally;
+	memset(tally->weight, 0, e->count * sizeof *tally->weight);
+	memset(tally->first, 0, e->count * sizeof *tally->first);
+	for (size_t b = 0; b < relabeller->block_count; b++) {
+		const size_t first = b * BLOCK_PACKS;
+		update_block(relabeller, b, scores, same_ranks);
+		esk_envelope_tally(e, relabeller->packs + first, relabeller->candidates + first,
+			block_end(relabeller, b) - first, tally);
+	}
+	for (uint32_t i = 0; i < e->count; i++) {
+		esk_sums *s = &sums[e->class_index[i]];
+		*s = relabeller->alone[e->class_index[i]];
+		s->weight += (uint64_t)total(tally->weight[i]);
+		for (int r = 0; r < 3; r++)
+			s->first[r] += total(tally->first[i][r]);
+	}
+}
+
+void esk_relabeller_run(esk_relabeller *relabeller, const esk_scores *scores, esk_sums sums[ESKEL_LEVELS_MAX])
+{
+	const bool same_ranks = esk_envelope_set(relabeller->envelope, scores);
+	memset(sums, 0, scores->count * sizeof *sums);
+	if (relabeller->heavy)
+		sum_parts(relabeller, sums);
+	else
+		sum_packs(relabeller, scores, same_ranks, sums);
+	relabeller->before = *scores;
 }

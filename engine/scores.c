@@ -33,6 +33,6 @@ void esk_scores_set_plane(esk_scores *scores, const int64_t normal[3], int64_t t
 {
 	*scores = (esk_scores){.count = 2};
 	for (int r = 0; r < 3; r++)
-		scores->slope[r][1] = (double)(-STEP * normal[r]);
-	scores->constant[1] = (double)(STEP * threshold + 1);
+		scores->slope[r][1] = (double)(-2 * STEP * normal[r]);
+	scores->constant[1] = (double)(2 * STEP * threshold + 1);
 }

@@ -13,7 +13,8 @@
  * so that no two classes ever tie: a voxel belongs to the class of least score, which is the nearest one, and among
  * equally near ones the one of least index. All intermediates are integers below 2^51. Double arithmetic does them
  * without rounding, in any order, with or without fused multiplication, so labels do not depend on the compiler, the
- * vector width or the machine.
+ * vector width or the machine. Slopes are multiples of 128, so that a score tells its class, score mod 64, halfway
+ * between voxels too.
  *
  * Along x a score is linear too. Where a class wins along a segment is an intersection of half-lines: one interval, or
  * nothing. */
@@ -31,7 +32,7 @@ typedef struct {
 /* The score of class index with these sums, which are not empty. */
 void esk_scores_set(esk_scores *scores, uint32_t index, const esk_metric *metric, const esk_sums *sums);
 
-/* Scores of two classes: 1 where normal . u > threshold, 0 elsewhere. All numbers below 2^44. */
+/* Scores of two classes: 1 where normal . u > threshold, 0 elsewhere. All numbers below 2^43. */
 void esk_scores_set_plane(esk_scores *scores, const int64_t normal[3], int64_t threshold);
 
 static inline double esk_scores_at(const esk_scores *s, uint32_t j, double x, double y, double z)

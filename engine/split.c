@@ -19,11 +19,11 @@ static void plane_normal(const eskel_affine *map, const double axis[3], int64_t 
 		normal[i] = greatest > 0 ? llround(n[i] / greatest * 0x1p20) : 0;
 }
 
-static eskel_status cut(esk_partition *partition, const int64_t normal[3], int64_t threshold)
+static void cut(esk_partition *partition, const int64_t normal[3], int64_t threshold)
 {
 	esk_scores scores;
 	esk_scores_set_plane(&scores, normal, threshold);
-	return esk_partition_assign(partition, &scores);
+	esk_partition_assign(partition, &scores);
 }
 
 static int64_t floor_quotient(esk_int128 numerator, esk_int128 denominator)
@@ -34,28 +34,24 @@ static int64_t floor_quotient(esk_int128 numerator, esk_int128 denominator)
 
 /* Cuts by the plane normal . u = normal . g. Voxels exactly on it join the lighter side, and the heavier part comes
  * first: neither depends on the sign of the normal, so a mirrored class is cut the same way. */
-static eskel_status cut_at_centre(
-	esk_partition *partition, const esk_sums *whole, const int64_t normal[3], esk_sums parts[2])
+static void cut_at_centre(esk_partition *partition, const esk_sums *whole, const int64_t normal[3], esk_sums parts[2])
 {
-	const esk_sums *sums = partition->labelling.sums;
+	const esk_sums *sums = partition->sums;
 	const esk_int128 weight = whole->weight;
 	esk_int128 height = 0;
 	for (int r = 0; r < 3; r++)
 		height += (esk_int128)normal[r] * whole->first[r];
 	const int64_t threshold = floor_quotient(height, weight);
-	eskel_status status = cut(partition, normal, threshold);
-	if (!status && height % weight == 0) {
+	cut(partition, normal, threshold);
+	if (height % weight == 0) {
 		const uint64_t above = sums[1].weight;
-		status = cut(partition, normal, threshold - 1);
-		if (!status && sums[0].weight <= above)
-			status = cut(partition, normal, threshold);
+		cut(partition, normal, threshold - 1);
+		if (sums[0].weight <= above)
+			cut(partition, normal, threshold);
 	}
-	if (status)
-		return status;
 	const bool second_first = sums[1].weight > sums[0].weight;
 	parts[0] = sums[second_first];
 	parts[1] = sums[!second_first];
-	return ESKEL_OK;
 }
 
 static eskel_status major_axis_plane(
@@ -90,18 +86,25 @@ static double ratio_of(const esk_sums parts[2], const esk_metric *metric, double
 }
 
 /* The heavier part first, on a tie the one of larger variance. */
-static void order_parts(const esk_partition *partition, esk_sums parts[2])
+static eskel_status order_parts(const esk_partition *partition, esk_sums parts[2])
 {
-	const esk_sums *sums = partition->labelling.sums;
+	const esk_sums *sums = partition->sums;
 	bool second_first = sums[1].weight > sums[0].weight;
 	if (sums[1].weight == sums[0].weight) {
-		esk_moments moments[2];
-		esk_labelling_moments(&partition->labelling, (const bool[ESKEL_LEVELS_MAX]){true, true}, moments);
+		esk_labelling labelling = {0};
+		esk_moments moments[2] = {{0}};
+		eskel_status status = esk_partition_label(partition, &labelling);
+		for (size_t i = 0; i < labelling.count; i++)
+			esk_moments_add(&moments[labelling.parts[i].class_index], &labelling.parts[i].segment);
+		esk_labelling_clear(&labelling);
+		if (status)
+			return status;
 		second_first = esk_moments_inertia(&moments[1], partition->metric->form) >
 			       esk_moments_inertia(&moments[0], partition->metric->form);
 	}
 	parts[0] = sums[second_first];
 	parts[1] = sums[!second_first];
+	return ESKEL_OK;
 }
 
 /* Both parts are never empty: some voxel lies below the plane and some above, unless rounding has made the class flat
@@ -110,14 +113,15 @@ static eskel_status split_along(
 	esk_partition *partition, const esk_sums *whole, const int64_t normal[3], double inertia, esk_split *split)
 {
 	esk_sums starts[2];
-	eskel_status status = cut_at_centre(partition, whole, normal, starts);
-	if (status || !starts[1].weight)
-		return status;
-	status = esk_partition_converge(partition, starts, 2);
+	cut_at_centre(partition, whole, normal, starts);
+	if (!starts[1].weight)
+		return ESKEL_OK;
+	eskel_status status = esk_partition_converge(partition, starts, 2);
+	if (!status)
+		status = order_parts(partition, split->parts);
 	if (status)
 		return status;
 	split->possible = true;
-	order_parts(partition, split->parts);
 	split->ratio = ratio_of(split->parts, partition->metric, inertia);
 	return ESKEL_OK;
 }

@@ -46,10 +46,14 @@ static void label_voxels(esk_partition *partition, const esk_moments *classes, u
 		starts[j] = classes[j].sums;
 	if (esk_partition_converge(partition, starts, count))
 		fail("no partition");
-	esk_piece_cursor c = esk_labelling_first(&partition->labelling);
-	for (size_t v = 0; c.valid; esk_labelling_next(&partition->labelling, &c))
-		for (uint64_t i = 0; i < esk_segment_voxels(&c.part); i++)
-			labels[v++] = (uint8_t)c.class_index;
+	esk_labelling labelling = {0};
+	if (esk_partition_label(partition, &labelling))
+		fail("no labels");
+	size_t v = 0;
+	for (size_t i = 0; i < labelling.count; i++)
+		for (uint64_t n = esk_segment_voxels(&labelling.parts[i].segment); n > 0; n--)
+			labels[v++] = (uint8_t)labelling.parts[i].class_index;
+	esk_labelling_clear(&labelling);
 }
 
 /* The levels of the engine, checked voxel by voxel against plain clustering; its milliseconds. */

@@ -373,9 +373,9 @@ static void coarse_starts_end_in_fixed_points_of_the_full_cloud(void **state)
 			}
 			assert_int_equal(esk_partition_converge(&partition, sums, k), ESKEL_OK);
 			for (uint32_t c = 0; c < k; c++) {
-				assert_int_equal(partition.labelling.sums[c].weight, sums[c].weight);
+				assert_int_equal(partition.sums[c].weight, sums[c].weight);
 				assert_memory_equal(
-					partition.labelling.sums[c].first, sums[c].first, sizeof sums[c].first);
+					partition.sums[c].first, sums[c].first, sizeof sums[c].first);
 			}
 		}
 		esk_partition_clear(&partition);

@@ -1,0 +1,42 @@
+/* The lower envelope of the classes' scores along segments, eight at a time: the inner loop of clustering, in vectors. */
+#ifndef ESK_ENVELOPE_H
+#define ESK_ENVELOPE_H
+
+#include "pack.h"
+#include "scores.h"
+
+/* The scores by rank: the order in which classes follow each other along x, which is that of falling slopes. */
+typedef struct {
+	uint32_t count;
+	uint8_t class_index[ESKEL_LEVELS_MAX], rank[ESKEL_LEVELS_MAX];
+	double constant[ESKEL_LEVELS_MAX], slope[3][ESKEL_LEVELS_MAX];
+	/* of ranks a < b: what the lead of a over b falls by from a voxel to the next, and its inverse */
+	double loss[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX], inverse[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX];
+} esk_envelope;
+
+/* The voxels of each segment that a class wins, counted from the segment's first one. */
+typedef struct {
+	double first[ESK_PACK], voxels[ESK_PACK];
+} esk_stretch;
+
+/* The sums of every rank, summed up lane by lane. */
+typedef struct {
+	double weight[ESKEL_LEVELS_MAX][ESK_PACK], first[ESKEL_LEVELS_MAX][3][ESK_PACK];
+} esk_tally;
+
+/* Writes the scores by rank. False when the ranks are other classes than before. */
+bool esk_envelope_set(esk_envelope *envelope, const esk_scores *scores);
+
+/* The ranks that may win somewhere in a box, or come within the margin of winning. */
+uint64_t esk_envelope_candidates(const esk_envelope *envelope, const esk_box *box, double margin, double *least_lead);
+
+/* The stretch of every candidate, a bit a rank, in the order of ranks. Other classes must not win anywhere. */
+void esk_envelope_divide(const esk_envelope *envelope, const esk_pack *pack, uint64_t candidates,
+	esk_stretch stretches[ESKEL_LEVELS_MAX]);
+
+/* Adds the candidates' sums in packs[count] that have two candidates or more. Exact while the weights of all segments that
+ * were ever added sum up to less than 2^37. */
+void esk_envelope_tally(const esk_envelope *envelope, const esk_pack *packs, const uint64_t *candidates, size_t count,
+	esk_tally *tally);
+
+#endif
