@@ -14,10 +14,35 @@ typedef struct {
 	esk_labelling labelling; /* its labels */
 	esk_segment *segments;   /* and its classes one after the other: class j is from first[j] to first[j + 1] */
 	size_t first[ESKEL_LEVELS_MAX + 1];
-	bool known[ESKEL_LEVELS_MAX]; /* the split of a class whose voxels have not changed since */
+	double least_ratios[ESKEL_LEVELS_MAX]; /* no split of the class has a lesser one */
+	bool known[ESKEL_LEVELS_MAX];          /* the split of a class whose voxels have not changed since */
 	esk_split splits[ESKEL_LEVELS_MAX];
 } builder;
 
+/* The class of least ratio, the lowest index on a tie; -1 when none can be split. */
+static int32_t best_split(const builder *b)
+{
+	int32_t best = -1;
+	for (uint32_t j = 0; j < b->levels->count; j++)
+		if (b->known[j] && b->splits[j].possible && (best < 0 || b->splits[j].ratio < b->splits[best].ratio))
+			best = (int32_t)j;
+	return best;
+}
+
+/* The class that may have the least ratio among those whose split is not known; -1 when no split can be better than the
+ * best. */
+static int32_t most_promising(const builder *b)
+{
+	const int32_t best = best_split(b);
+	int32_t found = -1;
+	for (uint32_t j = 0; j < b->levels->count; j++)
+		if (!b->known[j] && (best < 0 || b->least_ratios[j] <= b->splits[best].ratio) &&
+			(found < 0 || b->least_ratios[j] < b->least_ratios[found]))
+			found = (int32_t)j;
+	return found;
+}
+
+/* Finds the splits that can be the best. */
 static eskel_status split_classes(builder *b)
 {
 	const esk_levels_input *input = b->input;
@@ -25,24 +50,12 @@ static eskel_status split_classes(builder *b)
 	const esk_moments *classes = &b->levels->classes[ESKEL_NODES(k - 1)];
 	const eskel_affine *map = k == 1 ? input->root_map : &input->metric->map;
 	eskel_status status = ESKEL_OK;
-	for (uint32_t j = 0; !status && j < k; j++) {
-		if (b->known[j])
-			continue;
+	for (int32_t j; !status && (j = most_promising(b)) >= 0;) {
 		status = esk_split_class(b->segments + b->first[j], b->first[j + 1] - b->first[j], &classes[j],
 			input->metric, map, &b->splits[j]);
 		b->known[j] = true;
 	}
 	return status;
-}
-
-/* The class of least ratio, the lowest index on a tie; -1 when none can be split. */
-static int32_t best_split(const builder *b)
-{
-	int32_t best = -1;
-	for (uint32_t j = 0; j < b->levels->count; j++)
-		if (b->splits[j].possible && (best < 0 || b->splits[j].ratio < b->splits[best].ratio))
-			best = (int32_t)j;
-	return best;
 }
 
 /* The next level starts from this level's classes, one of them split. about->split_class is -1 if there is no next
@@ -132,6 +145,7 @@ static eskel_status add_level(builder *b, const eskel_level *about, const esk_su
 		else
 			sum_moments(segments + first[j], count, &classes[j]);
 		b->known[j] = b->known[j] && same;
+		b->least_ratios[j] = esk_split_least_ratio(&classes[j], b->input->metric);
 	}
 	free(b->segments);
 	b->segments = segments;

@@ -126,6 +126,31 @@ static eskel_status split_along(
 	return ESKEL_OK;
 }
 
+/* The centres of two parts differ in one direction, so a split takes away no more than the variance in that direction, and
+ * there is none with more than the major axis: r >= 1 - lambda_1 / (lambda_1 + lambda_2 + lambda_3). With A = q I + p B,
+ * q = tr A / 3 and tr B^2 = 6, lambda_1 = q + 2 p cos(acos(det B / 2) / 3). What is taken off covers the form's rounding,
+ * 2^-20, which map does not have, and that of doubles. */
+double esk_split_least_ratio(const esk_moments *moments, const esk_metric *metric)
+{
+	double a[3][3], squares = 0;
+	esk_moments_scatter(moments, a);
+	esk_affine_congruence(&metric->map, (const double(*)[3])a, a);
+	const double q = (a[0][0] + a[1][1] + a[2][2]) / 3;
+	for (int r = 0; r < 3; r++)
+		a[r][r] -= q;
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 3; c++)
+			squares += a[r][c] * a[r][c];
+	const double p = sqrt(squares / 6);
+	const double det = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
+			   a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+			   a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+	if (!(q > 0) || !(p > 0))
+		return 0;
+	const double cosine = fmax(-1, fmin(1, det / (2 * p * p * p)));
+	return 1 - (q + 2 * p * cos(acos(cosine) / 3)) / (3 * q) - 1e-5;
+}
+
 eskel_status esk_split_class(const esk_segment *segments, size_t segment_count, const esk_moments *moments,
 	const esk_metric *metric, const eskel_affine *axes_map, esk_split *split)
 {
