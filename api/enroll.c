@@ -14,6 +14,7 @@
 typedef struct {
 	esk_specimens specimens;
 	eskel_shape *shapes;           /* as stored, in the order of the specimens */
+	bool *missing;                 /* not stored */
 	size_t analysed_count;         /* specimens with a skeleton, to be enrolled; the others are stored already */
 	eskel_enrollment *enrollments; /* [analysed_count], as the next two */
 	eskel_shape *enrolled;
@@ -25,10 +26,11 @@ static bool make_room(enrolling *work)
 {
 	size_t count = work->specimens.count;
 	work->shapes = calloc(count, sizeof *work->shapes);
+	work->missing = calloc(count, sizeof *work->missing);
 	work->enrollments = calloc(count, sizeof *work->enrollments);
 	work->enrolled = calloc(count, sizeof *work->enrolled);
 	work->created = calloc(count, sizeof *work->created);
-	return work->shapes && work->enrollments && work->enrolled && work->created;
+	return work->shapes && work->missing && work->enrollments && work->enrolled && work->created;
 }
 
 static void clear(enrolling *work)
@@ -36,6 +38,7 @@ static void clear(enrolling *work)
 	for (size_t i = 0; work->shapes && i < work->specimens.count; i++)
 		eskel_shape_clear(&work->shapes[i]);
 	free(work->shapes);
+	free(work->missing);
 	free(work->enrollments);
 	free(work->enrolled);
 	free(work->created);
@@ -57,16 +60,15 @@ static bool analyse_missing(eskel_exchange *exchange, enrolling *work)
 {
 	uint32_t levels = exchange->query.levels ? exchange->query.levels : ESKEL_LEVELS_DEFAULT;
 	for (size_t i = 0; i < work->specimens.count; i++) {
-		esk_specimen *specimen = &work->specimens.items[i];
 		bool stored = false;
-		if (specimen->skeleton)
+		if (work->specimens.items[i].skeleton)
 			continue;
-		if (!read_stored(exchange->api, specimen, &work->shapes[i], &stored, &exchange->problem))
+		if (!read_stored(
+			    exchange->api, &work->specimens.items[i], &work->shapes[i], &stored, &exchange->problem))
 			return false;
-		if (!stored && !esk_specimen_analyse(specimen, &work->specimens, levels, &exchange->problem))
-			return false;
+		work->missing[i] = !stored;
 	}
-	return true;
+	return esk_specimens_analyse(&work->specimens, work->missing, levels, &exchange->problem);
 }
 
 /* Lists what is to be enrolled; *complete is false when a shape that was stored is no longer. */

@@ -96,10 +96,11 @@ static bool recognize_specimens(
 {
 	uint32_t level = exchange->query.level;
 	uint32_t levels = level > ESKEL_LEVELS_DEFAULT ? level : ESKEL_LEVELS_DEFAULT;
+	if (!esk_specimens_analyse(specimens, NULL, levels, &exchange->problem))
+		return false;
 	for (size_t i = 0; i < specimens->count; i++) {
-		esk_specimen *specimen = &specimens->items[i];
-		if (!esk_specimen_analyse(specimen, specimens, levels, &exchange->problem) ||
-			!recognize_specimen(exchange, specimen, choice, results))
+		const esk_specimen *specimen = &specimens->items[i];
+		if (!recognize_specimen(exchange, specimen, choice, results))
 			return false;
 	}
 	return true;

@@ -185,17 +185,65 @@ static bool find_warnings(esk_specimen *specimen, const esk_specimens *specimens
 	return true;
 }
 
-bool esk_specimen_analyse(esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels, esk_problem *problem)
+/* Arrays have room for all specimens. */
+typedef struct {
+	size_t count;
+	esk_specimen **specimens;
+	const eskel_cloud **clouds;
+	eskel_skeleton **skeletons;
+} analysis;
+
+static bool choose(analysis *a, esk_specimens *specimens, const bool *wanted)
 {
-	eskel_error error = {0};
-	const eskel_skeleton_options options = {.levels = levels};
-	eskel_status status = eskel_skeleton_new(specimen->cloud, &options, &specimen->skeleton, &error);
-	if (status == ESKEL_OK)
-		status = eskel_signature_new(specimen->skeleton, &specimen->signature);
-	if (!esk_problem_engine(problem, status, &error))
+	a->specimens = calloc(specimens->count, sizeof *a->specimens);
+	a->clouds = calloc(specimens->count, sizeof *a->clouds);
+	a->skeletons = calloc(specimens->count, sizeof *a->skeletons);
+	if (!a->specimens || !a->clouds || !a->skeletons)
+		return false;
+	for (size_t i = 0; i < specimens->count; i++) {
+		esk_specimen *specimen = &specimens->items[i];
+		if (specimen->skeleton || (wanted && !wanted[i]))
+			continue;
+		a->specimens[a->count] = specimen;
+		a->clouds[a->count++] = specimen->cloud;
+	}
+	return true;
+}
+
+/* Signature and warnings. */
+static bool finish(esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels, esk_problem *problem)
+{
+	eskel_status status = eskel_signature_new(specimen->skeleton, &specimen->signature);
+	if (!esk_problem_engine(problem, status, NULL))
 		return false;
 	specimen->shape.levels = specimen->skeleton->level_count;
 	memcpy(specimen->shape.centre, eskel_skeleton_node(specimen->skeleton, 1, 0)->centre,
 		sizeof specimen->shape.centre);
 	return find_warnings(specimen, specimens, levels) || esk_problem_no_memory(problem);
+}
+
+static bool analyse(analysis *a, const esk_specimens *specimens, uint32_t levels, esk_problem *problem)
+{
+	eskel_error error = {0};
+	const eskel_skeleton_options options = {.levels = levels, .threads = ESKEL_THREADS_ONLINE};
+	eskel_status status = eskel_skeletons_new(a->clouds, a->count, &options, a->skeletons, &error);
+	if (!esk_problem_engine(problem, status, &error))
+		return false;
+	for (size_t i = 0; i < a->count; i++)
+		a->specimens[i]->skeleton = a->skeletons[i];
+	for (size_t i = 0; i < a->count; i++)
+		if (!finish(a->specimens[i], specimens, levels, problem))
+			return false;
+	return true;
+}
+
+bool esk_specimens_analyse(esk_specimens *specimens, const bool *wanted, uint32_t levels, esk_problem *problem)
+{
+	analysis a = {0};
+	const bool good = choose(&a, specimens, wanted) ? analyse(&a, specimens, levels, problem)
+							: esk_problem_no_memory(problem);
+	free(a.specimens);
+	free(a.clouds);
+	free(a.skeletons);
+	return good;
 }

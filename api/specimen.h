@@ -8,7 +8,7 @@
 typedef struct {
 	eskel_cloud *cloud;
 	unsigned border;          /* sides of the grid that it touches (eskel_volume_border) */
-	eskel_skeleton *skeleton; /* NULL until esk_specimen_analyse */
+	eskel_skeleton *skeleton; /* NULL until esk_specimens_analyse */
 	eskel_signature *signature;
 	eskel_shape shape;
 } esk_specimen;
@@ -25,8 +25,8 @@ typedef struct {
 bool esk_specimens_take(eskel_exchange *exchange, const esk_parameters *said, esk_specimens *specimens);
 void esk_specimens_clear(esk_specimens *specimens);
 
-/* Computes the skeleton of the levels asked for, the signature and the warnings of one. */
-bool esk_specimen_analyse(
-	esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels, esk_problem *problem);
+/* Computes the skeletons of the levels asked for, the signatures and the warnings of those without one that are wanted
+ * (NULL: all), on all processors. What refuses is the first that fails. */
+bool esk_specimens_analyse(esk_specimens *specimens, const bool *wanted, uint32_t levels, esk_problem *problem);
 
 #endif

@@ -29,33 +29,66 @@ static int32_t best_split(const builder *b)
 	return best;
 }
 
-/* The class that may have the least ratio among those whose split is not known; -1 when no split can be better than the
- * best. */
-static int32_t most_promising(const builder *b)
+/* The class that may have the least ratio among those whose split is neither known nor being computed; -1 when no split
+ * can be better than the best that is known. */
+static int32_t most_promising(const builder *b, uint64_t computing)
 {
 	const int32_t best = best_split(b);
 	int32_t found = -1;
 	for (uint32_t j = 0; j < b->levels->count; j++)
-		if (!b->known[j] && (best < 0 || b->least_ratios[j] <= b->splits[best].ratio) &&
+		if (!b->known[j] && !(computing >> j & 1) &&
+			(best < 0 || b->least_ratios[j] <= b->splits[best].ratio) &&
 			(found < 0 || b->least_ratios[j] < b->least_ratios[found]))
 			found = (int32_t)j;
 	return found;
 }
 
-/* Finds the splits that can be the best. */
+/* Splits that threads compute at the same time. */
+typedef struct {
+	const builder *b;
+	uint32_t count;
+	int32_t classes[ESKEL_LEVELS_MAX];
+	esk_split splits[ESKEL_LEVELS_MAX];
+	eskel_status statuses[ESKEL_LEVELS_MAX];
+} splitting;
+
+static void split_one(void *context, size_t index)
+{
+	splitting *s = context;
+	const builder *b = s->b;
+	const int32_t j = s->classes[index];
+	const uint32_t k = b->levels->count;
+	s->statuses[index] = esk_split_class(b->segments + b->first[j], b->first[j + 1] - b->first[j],
+		&b->levels->classes[ESKEL_NODES(k - 1) + (uint32_t)j], b->input->metric,
+		k == 1 ? b->input->root_map : &b->input->metric->map, &s->splits[index]);
+}
+
+static void choose_splits(const builder *b, splitting *s)
+{
+	uint64_t computing = 0;
+	*s = (splitting){.b = b};
+	for (int32_t j; s->count < esk_team_size(b->input->team) && (j = most_promising(b, computing)) >= 0;) {
+		computing |= (uint64_t)1 << j;
+		s->classes[s->count++] = j;
+	}
+}
+
+/* Finds the splits that can be the best. What several threads compute too much is forgotten, so that they find, or fail
+ * with, what one does. */
 static eskel_status split_classes(builder *b)
 {
-	const esk_levels_input *input = b->input;
-	const uint32_t k = b->levels->count;
-	const esk_moments *classes = &b->levels->classes[ESKEL_NODES(k - 1)];
-	const eskel_affine *map = k == 1 ? input->root_map : &input->metric->map;
-	eskel_status status = ESKEL_OK;
-	for (int32_t j; !status && (j = most_promising(b)) >= 0;) {
-		status = esk_split_class(b->segments + b->first[j], b->first[j + 1] - b->first[j], &classes[j],
-			input->metric, map, &b->splits[j]);
-		b->known[j] = true;
+	splitting s;
+	for (choose_splits(b, &s); s.count; choose_splits(b, &s)) {
+		esk_team_run(b->input->team, s.count, split_one, &s);
+		for (uint32_t i = 0; i < s.count && s.classes[i] == most_promising(b, 0); i++) {
+			const int32_t j = s.classes[i];
+			if (s.statuses[i])
+				return s.statuses[i];
+			b->splits[j] = s.splits[i];
+			b->known[j] = true;
+		}
 	}
-	return status;
+	return ESKEL_OK;
 }
 
 /* The next level starts from this level's classes, one of them split. about->split_class is -1 if there is no next
@@ -190,7 +223,8 @@ eskel_status esk_levels_compute(const esk_levels_input *input, esk_levels *level
 		return ESKEL_NO_MEMORY;
 	b->input = input;
 	b->levels = levels;
-	eskel_status status = esk_partition_init(&b->partition, input->segments, input->segment_count, input->metric);
+	eskel_status status =
+		esk_partition_init(&b->partition, input->segments, input->segment_count, input->metric, input->team);
 	if (!status)
 		status = build(b);
 	esk_partition_clear(&b->partition);

@@ -3,6 +3,7 @@
 #define ESK_LEVELS_H
 
 #include "metric.h"
+#include "team.h"
 
 typedef struct {
 	uint32_t count; /* levels reached: fewer than asked when no class can be split */
@@ -17,6 +18,7 @@ typedef struct {
 	const eskel_affine *root_map; /* space of the first split's major axis */
 	const esk_levels *starts;     /* centres that start each level, as far as they go; NULL: splits do */
 	uint32_t levels;              /* asked for */
+	esk_team *team;
 	bool (*progress)(void *context, uint32_t level, uint32_t levels); /* may be NULL */
 	void *context;
 } esk_levels_input;

@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-eskel_status esk_partition_init(
-	esk_partition *partition, const esk_segment *segments, size_t segment_count, const esk_metric *metric)
+eskel_status esk_partition_init(esk_partition *partition, const esk_segment *segments, size_t segment_count,
+	const esk_metric *metric, esk_team *team)
 {
 	*partition = (esk_partition){.metric = metric};
-	return esk_relabeller_init(&partition->relabeller, segments, segment_count);
+	return esk_relabeller_init(&partition->relabeller, segments, segment_count, team);
 }
 
 void esk_partition_clear(esk_partition *partition)

@@ -10,9 +10,9 @@ typedef struct {
 	esk_sums sums[ESKEL_LEVELS_MAX]; /* of the classes */
 } esk_partition;
 
-/* Borrows segments and metric. */
-eskel_status esk_partition_init(
-	esk_partition *partition, const esk_segment *segments, size_t segment_count, const esk_metric *metric);
+/* Borrows segments, metric and team. */
+eskel_status esk_partition_init(esk_partition *partition, const esk_segment *segments, size_t segment_count,
+	const esk_metric *metric, esk_team *team);
 void esk_partition_clear(esk_partition *partition);
 
 /* Gives every voxel the class of least score. Classes may come out empty. */

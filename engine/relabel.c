@@ -8,7 +8,8 @@
  *	   out, no such class can win there. The block's clock adds up how far its candidates' scores have moved in its box;
  *	   a new candidate, or another order of ranks, makes all packs of the block look again.
  *	3. a pack with one candidate belongs to it as a whole, and takes no more time until it is due. The others are divided.
- */
+ *
+ * Threads go over shares of the blocks. Sums are exact, so it does not matter which thread adds what. */
 #include "relabel.h"
 
 #include "memory.h"
@@ -18,7 +19,8 @@
 #include <string.h>
 
 enum {
-	BLOCK_PACKS = 32, /* 16 to 32 are alike */
+	BLOCK_PACKS = 32,  /* 16 to 32 are alike */
+	SHARE_BLOCKS = 16, /* at least: 4096 segments take some 40 us, several times what sharing costs */
 	NO_CLASS = ESKEL_LEVELS_MAX,
 };
 
@@ -30,7 +32,7 @@ typedef struct esk_outlook {
 	esk_box box;
 	esk_sums sums;  /* of all voxels */
 	int64_t due;    /* when the block's clock is there, candidates are to be found again */
-	uint32_t alone; /* the class that all voxels are counted for in relabeller->alone, or NO_CLASS */
+	uint32_t alone; /* the class that all voxels are counted for in the share's alone, or NO_CLASS */
 } outlook;
 
 typedef struct esk_block {
@@ -39,6 +41,12 @@ typedef struct esk_block {
 	int64_t due;         /* the least of its packs */
 	uint64_t candidates; /* of the last pass, a bit a class */
 } block;
+
+typedef struct esk_share {
+	size_t first, end;                /* blocks */
+	esk_sums alone[ESKEL_LEVELS_MAX]; /* of the packs with one candidate, by class */
+	esk_tally tally;                  /* of the other packs in the last pass, by rank */
+} share;
 
 static size_t least_of(size_t a, size_t b)
 {
@@ -91,7 +99,25 @@ static bool is_heavy(const esk_relabeller *relabeller)
 	return weight * farthest >= 0x1p52;
 }
 
-eskel_status esk_relabeller_init(esk_relabeller *relabeller, const esk_segment *segments, size_t segment_count)
+/* Two shares a thread, as some packs take longer than others. */
+static bool share_blocks(esk_relabeller *relabeller)
+{
+	const size_t blocks = relabeller->block_count, threads = esk_team_size(relabeller->team);
+	const size_t most = blocks / SHARE_BLOCKS, wanted = threads > 1 ? 2 * threads : 1;
+	const size_t shares = most < 2 ? 1 : least_of(most, wanted);
+	relabeller->shares = esk_memory_array(shares, sizeof *relabeller->shares);
+	for (size_t i = 0; i < shares && relabeller->shares; i++) {
+		share *s = &relabeller->shares[i];
+		s->first = blocks * i / shares;
+		s->end = blocks * (i + 1) / shares;
+		memset(s->alone, 0, sizeof s->alone);
+	}
+	relabeller->share_count = shares;
+	return relabeller->shares;
+}
+
+eskel_status esk_relabeller_init(
+	esk_relabeller *relabeller, const esk_segment *segments, size_t segment_count, esk_team *team)
 {
 	const size_t packs = (segment_count + ESK_PACK - 1) / ESK_PACK,
 		     blocks = (packs + BLOCK_PACKS - 1) / BLOCK_PACKS;
@@ -105,10 +131,10 @@ eskel_status esk_relabeller_init(esk_relabeller *relabeller, const esk_segment *
 		.outlooks = esk_memory_array(packs, sizeof *relabeller->outlooks),
 		.candidates = esk_memory_array(packs, sizeof *relabeller->candidates),
 		.blocks = esk_memory_zeroed_array(blocks, sizeof *relabeller->blocks),
-		.tally = esk_memory_array(1, sizeof *relabeller->tally),
+		.team = team,
 	};
 	if (!relabeller->envelope || !relabeller->packs || !relabeller->outlooks || !relabeller->candidates ||
-		!relabeller->blocks || !relabeller->tally) {
+		!relabeller->blocks || !share_blocks(relabeller)) {
 		esk_relabeller_clear(relabeller);
 		return ESKEL_NO_MEMORY;
 	}
@@ -126,7 +152,7 @@ void esk_relabeller_clear(esk_relabeller *relabeller)
 	free(relabeller->outlooks);
 	free(relabeller->candidates);
 	free(relabeller->blocks);
-	free(relabeller->tally);
+	free(relabeller->shares);
 	*relabeller = (esk_relabeller){0};
 }
 
@@ -158,7 +184,7 @@ static int64_t movement_in(const block *b, const esk_scores *before, const esk_s
 }
 
 /* Finds the candidates of a pack among these ranks: those of either half of its box, as long boxes have many. */
-static void look_again(esk_relabeller *relabeller, size_t p, uint64_t ranks, int64_t clock, double within)
+static void look_again(esk_relabeller *relabeller, share *mine, size_t p, uint64_t ranks, int64_t clock, double within)
 {
 	const esk_envelope *e = relabeller->envelope;
 	outlook *o = &relabeller->outlooks[p];
@@ -172,10 +198,10 @@ static void look_again(esk_relabeller *relabeller, size_t p, uint64_t ranks, int
 	relabeller->candidates[p] = found;
 	o->due = clock + (int64_t)least_lead;
 	if (o->alone != NO_CLASS)
-		remove_sums(&relabeller->alone[o->alone], &o->sums);
+		remove_sums(&mine->alone[o->alone], &o->sums);
 	o->alone = found & (found - 1) ? NO_CLASS : e->class_index[__builtin_ctzll(found)];
 	if (o->alone != NO_CLASS)
-		add_sums(&relabeller->alone[o->alone], &o->sums);
+		add_sums(&mine->alone[o->alone], &o->sums);
 }
 
 static uint64_t classes_of(const esk_envelope *e, uint64_t ranks)
@@ -187,7 +213,8 @@ static uint64_t classes_of(const esk_envelope *e, uint64_t ranks)
 }
 
 /* Brings the candidates of the packs of a block up to date. */
-static void update_block(esk_relabeller *relabeller, size_t index, const esk_scores *scores, bool same_ranks)
+static void update_block(
+	esk_relabeller *relabeller, share *mine, size_t index, const esk_scores *scores, bool same_ranks)
 {
 	block *b = &relabeller->blocks[index];
 	double ignored = INFINITY;
@@ -204,7 +231,7 @@ static void update_block(esk_relabeller *relabeller, size_t index, const esk_sco
 	for (size_t p = index * BLOCK_PACKS; p < block_end(relabeller, index); p++) {
 		outlook *o = &relabeller->outlooks[p];
 		if (all || o->due <= b->clock)
-			look_again(relabeller, p, ranks, b->clock, margin * (double)moved);
+			look_again(relabeller, mine, p, ranks, b->clock, margin * (double)moved);
 		b->due = o->due < b->due ? o->due : b->due;
 	}
 }
@@ -271,24 +298,35 @@ static int64_t total(const double lanes[ESK_PACK])
 	return (int64_t)sum;
 }
 
-static void sum_packs(esk_relabeller *relabeller, const esk_scores *scores, bool same_ranks, esk_sums *sums)
+typedef struct {
+	esk_relabeller *relabeller;
+	const esk_scores *scores;
+	bool same_ranks;
+} pass;
+
+static void run_share(void *context, size_t index)
 {
-	const esk_envelope *e = relabeller->envelope;
-	esk_tally *tally = relabeller->tally;
-	memset(tally->weight, 0, e->count * sizeof *tally->weight);
-	memset(tally->first, 0, e->count * sizeof *tally->first);
-	for (size_t b = 0; b < relabeller->block_count; b++) {
+	const pass *p = context;
+	esk_relabeller *relabeller = p->relabeller;
+	share *mine = &relabeller->shares[index];
+	memset(mine->tally.weight, 0, p->scores->count * sizeof *mine->tally.weight);
+	memset(mine->tally.first, 0, p->scores->count * sizeof *mine->tally.first);
+	for (size_t b = mine->first; b < mine->end; b++) {
 		const size_t first = b * BLOCK_PACKS;
-		update_block(relabeller, b, scores, same_ranks);
-		esk_envelope_tally(e, relabeller->packs + first, relabeller->candidates + first,
-			block_end(relabeller, b) - first, tally);
+		update_block(relabeller, mine, b, p->scores, p->same_ranks);
+		esk_envelope_tally(relabeller->envelope, relabeller->packs + first, relabeller->candidates + first,
+			block_end(relabeller, b) - first, &mine->tally);
 	}
+}
+
+static void add_share(const esk_envelope *e, const share *mine, esk_sums *sums)
+{
 	for (uint32_t i = 0; i < e->count; i++) {
 		esk_sums *s = &sums[e->class_index[i]];
-		*s = relabeller->alone[e->class_index[i]];
-		s->weight += (uint64_t)total(tally->weight[i]);
+		add_sums(s, &mine->alone[e->class_index[i]]);
+		s->weight += (uint64_t)total(mine->tally.weight[i]);
 		for (int r = 0; r < 3; r++)
-			s->first[r] += total(tally->first[i][r]);
+			s->first[r] += total(mine->tally.first[i][r]);
 	}
 }
 
@@ -296,9 +334,13 @@ void esk_relabeller_run(esk_relabeller *relabeller, const esk_scores *scores, es
 {
 	const bool same_ranks = esk_envelope_set(relabeller->envelope, scores);
 	memset(sums, 0, scores->count * sizeof *sums);
-	if (relabeller->heavy)
+	if (relabeller->heavy) {
 		sum_parts(relabeller, sums);
-	else
-		sum_packs(relabeller, scores, same_ranks, sums);
+	} else {
+		pass all = {relabeller, scores, same_ranks};
+		esk_team_run(relabeller->team, relabeller->share_count, run_share, &all);
+		for (size_t i = 0; i < relabeller->share_count; i++)
+			add_share(relabeller->envelope, &relabeller->shares[i], sums);
+	}
 	relabeller->before = *scores;
 }

@@ -4,6 +4,7 @@
 
 #include "envelope.h"
 #include "labelling.h"
+#include "team.h"
 
 typedef struct {
 	const esk_segment *segments; /* borrowed */
@@ -15,12 +16,14 @@ typedef struct {
 	struct esk_outlook *outlooks; /* of the packs, see relabel.c */
 	uint64_t *candidates;         /* of the packs: the ranks that may win there, a bit each */
 	struct esk_block *blocks;
-	esk_sums alone[ESKEL_LEVELS_MAX]; /* of the packs with one candidate, by class */
-	esk_tally *tally;                 /* of the other packs in the last pass, by rank */
+	esk_team *team; /* borrowed */
+	size_t share_count;
+	struct esk_share *shares; /* of the blocks, for threads */
 } esk_relabeller;
 
-/* Borrows segments. */
-eskel_status esk_relabeller_init(esk_relabeller *relabeller, const esk_segment *segments, size_t segment_count);
+/* Borrows segments and team. */
+eskel_status esk_relabeller_init(
+	esk_relabeller *relabeller, const esk_segment *segments, size_t segment_count, esk_team *team);
 void esk_relabeller_clear(esk_relabeller *relabeller);
 
 /* The next scores are unrelated to those before: a pass looks at every segment. */

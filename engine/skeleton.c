@@ -27,6 +27,13 @@ static eskel_status coarse_levels(const eskel_cloud *cloud, const esk_levels_inp
 	return status;
 }
 
+/* Below some thousand runs a pass takes less time than threads take to meet. */
+static esk_team *team_for(const eskel_cloud *cloud, const eskel_skeleton_options *options)
+{
+	static const size_t few_runs = 8192;
+	return cloud->run_count < few_runs ? NULL : esk_team_new(esk_team_threads(options->threads));
+}
+
 static eskel_status make_levels(const eskel_cloud *cloud, const eskel_skeleton_options *options, esk_levels *levels)
 {
 	esk_levels *coarse = NULL;
@@ -51,6 +58,7 @@ static eskel_status make_levels(const eskel_cloud *cloud, const eskel_skeleton_o
 		.metric = &metric,
 		.root_map = &world,
 		.levels = options->levels,
+		.team = team_for(cloud, options),
 		.progress = options->progress,
 		.context = options->context,
 	};
@@ -61,6 +69,7 @@ static eskel_status make_levels(const eskel_cloud *cloud, const eskel_skeleton_o
 	}
 	if (!status)
 		status = esk_levels_compute(&input, levels);
+	esk_team_free(input.team);
 	free(coarse);
 	free(segments);
 	return status;

@@ -162,7 +162,7 @@ eskel_status esk_split_class(const esk_segment *segments, size_t segment_count, 
 	if (inertia > 0) {
 		status = major_axis_plane(moments, axes_map, normal, &result.degenerate);
 		if (!status)
-			status = esk_partition_init(&partition, segments, segment_count, metric);
+			status = esk_partition_init(&partition, segments, segment_count, metric, NULL);
 		if (!status)
 			status = split_along(&partition, &moments->sums, normal, inertia, &result);
 		esk_partition_clear(&partition);

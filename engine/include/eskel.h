@@ -183,9 +183,12 @@ typedef struct {
 	uint32_t levels;                    /* 1 to ESKEL_LEVELS_MAX; default 16 */
 	eskel_partition_metric metric;      /* section 2.4.6 */
 	bool coarse_start;                  /* section 2.4.4: partitions of the cloud of 3x3x3 cells start each level */
+	uint32_t threads;                   /* at most; default 1 */
 	bool (*progress)(void *context, uint32_t level, uint32_t levels); /* after each level; false: ESKEL_CANCELLED */
 	void *context;
 } eskel_skeleton_options;
+
+#define ESKEL_THREADS_ONLINE UINT32_MAX /* as many threads as there are processors */
 
 /* One class of one level (section 2.5). Moments are population moments of the voxel centres. */
 typedef struct {
@@ -225,6 +228,11 @@ typedef struct {
  * split class the heavier keeps it and the other becomes class k - 1 of level k. */
 ESKEL_API eskel_status eskel_skeleton_new(const eskel_cloud *cloud, const eskel_skeleton_options *options,
 	eskel_skeleton **skeleton, eskel_error *error);
+/* The skeletons of many clouds, skeletons[i] of clouds[i]. Threads take the largest first. Progress counts the levels of
+ * all, in calls that do not overlap, from any thread. On failure there is none, and the error is that of the first cloud
+ * that fails. */
+ESKEL_API eskel_status eskel_skeletons_new(const eskel_cloud *const *clouds, size_t count,
+	const eskel_skeleton_options *options, eskel_skeleton **skeletons, eskel_error *error);
 ESKEL_API void eskel_skeleton_free(eskel_skeleton *skeleton);
 ESKEL_API const eskel_node *eskel_skeleton_node(const eskel_skeleton *skeleton, uint32_t level, uint32_t class_index);
 

@@ -1,4 +1,5 @@
-/* eskel skeleton: decodes a volume and computes the skeletons of its objects here, without a server. */
+/* eskel skeleton: decodes a volume and computes the skeletons of its objects here, without a server, some objects at a
+ * time on all processors: answers come as it goes on, and memory does not grow with the number of objects. */
 #include "command.h"
 #include "label_csv.h"
 #include "volume_file.h"
@@ -7,6 +8,9 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+/* Enough that processors are busy until the last few objects; at 64 levels a skeleton takes half a megabyte. */
+enum { TOGETHER = 64 };
 
 /* 0 for the default when --levels was not given. */
 static esk_outcome read_levels(const esk_arguments *arguments, uint32_t *levels)
@@ -25,41 +29,76 @@ static bool show_level(void *context, uint32_t level, uint32_t levels)
 	return true;
 }
 
-/* The skeleton of one label as JSON; free() it. */
-static esk_outcome compute(esk_session *session, const char *source, const eskel_volume *volume, int32_t label,
-	uint32_t levels, char **json)
+/* Labels first .. first + count - 1 of the volume. */
+typedef struct {
+	const eskel_volume *volume;
+	size_t first, count;
+	eskel_cloud *clouds[TOGETHER];
+	eskel_skeleton *skeletons[TOGETHER];
+} batch;
+
+static void clear(batch *b)
 {
-	eskel_cloud *cloud = NULL;
-	eskel_skeleton *skeleton = NULL;
-	eskel_error error = {0};
-	const eskel_skeleton_options options = {
-		.levels = levels, .progress = show_level, .context = &session->progress};
-	esk_progress_next(&session->progress, source);
-	eskel_status status = eskel_volume_cloud(volume, label, &cloud, &error);
-	if (!status)
-		status = eskel_skeleton_new(cloud, &options, &skeleton, &error);
-	esk_progress_end(&session->progress, !status);
-	char *text = skeleton ? eskel_skeleton_text(skeleton) : NULL;
-	eskel_skeleton_free(skeleton);
-	eskel_cloud_free(cloud);
-	if (status)
-		return esk_complain(ESK_REFUSED, "%s: %s", source, error.text);
-	if (!text)
-		return esk_complain(ESK_REFUSED, "memory ran out");
-	*json = text;
-	return ESK_DONE;
+	for (size_t i = 0; i < b->count; i++) {
+		eskel_cloud_free(b->clouds[i]);
+		eskel_skeleton_free(b->skeletons[i]);
+	}
 }
 
-static esk_outcome add_skeleton(esk_session *session, const eskel_volume *volume, int32_t label, uint32_t levels)
+/* What people call a label; free() it. NULL, with a complaint, when memory ran out. */
+static char *name_label(const esk_session *session, int32_t label)
 {
-	char *source = NULL, *json = NULL;
-	if (asprintf(&source, "%s:%d", session->arguments->operands[0], (int)label) < 0)
+	char *name = NULL;
+	if (asprintf(&name, "%s:%d", session->arguments->operands[0], (int)label) >= 0)
+		return name;
+	esk_complain(ESK_REFUSED, "memory ran out");
+	return NULL;
+}
+
+static esk_outcome compute(esk_session *session, batch *b, uint32_t levels, const char *name)
+{
+	eskel_error error = {0};
+	const eskel_skeleton_options options = {.levels = levels,
+		.threads = ESKEL_THREADS_ONLINE,
+		.progress = show_level,
+		.context = &session->progress};
+	esk_progress_next(&session->progress, name);
+	eskel_status status = ESKEL_OK;
+	for (size_t i = 0; i < b->count && !status; i++)
+		status = eskel_volume_cloud(
+			b->volume, eskel_volume_label(b->volume, b->first + i), &b->clouds[i], &error);
+	if (!status)
+		status = eskel_skeletons_new(
+			(const eskel_cloud *const *)b->clouds, b->count, &options, b->skeletons, &error);
+	esk_progress_end(&session->progress, !status);
+	return status ? esk_complain(ESK_REFUSED, "%s: %s", name, error.text) : ESK_DONE;
+}
+
+static esk_outcome show(esk_session *session, const eskel_skeleton *skeleton, const char *name)
+{
+	char *json = eskel_skeleton_text(skeleton);
+	if (!json)
 		return esk_complain(ESK_REFUSED, "memory ran out");
-	esk_outcome outcome = compute(session, source, volume, label, levels, &json);
-	if (!outcome)
-		outcome = esk_session_take(session, source, json, strlen(json));
+	const esk_outcome outcome = esk_session_take(session, name, json, strlen(json));
 	free(json);
-	free(source);
+	return outcome;
+}
+
+static esk_outcome add_skeletons(
+	esk_session *session, const eskel_volume *volume, size_t first, size_t count, uint32_t levels)
+{
+	batch b = {.volume = volume, .first = first, .count = count};
+	char *name = name_label(session, eskel_volume_label(volume, first));
+	esk_outcome outcome = ESK_REFUSED;
+	if (name)
+		outcome = compute(session, &b, levels, count > 1 ? session->arguments->operands[0] : name);
+	for (size_t i = 0; i < count && !outcome; i++) {
+		free(name);
+		name = name_label(session, eskel_volume_label(volume, first + i));
+		outcome = name ? show(session, b.skeletons[i], name) : ESK_REFUSED;
+	}
+	free(name);
+	clear(&b);
 	return outcome;
 }
 
@@ -74,9 +113,11 @@ esk_outcome esk_command_skeleton(esk_session *session)
 		outcome = esk_volume_file_read(session->arguments->operands[0], session->arguments, &volume);
 	if (outcome)
 		return outcome;
-	session->progress.items = eskel_volume_label_count(volume);
-	for (size_t i = 0; i < session->progress.items && !outcome; i++)
-		outcome = add_skeleton(session, volume, eskel_volume_label(volume, i), levels);
+	const size_t count = eskel_volume_label_count(volume);
+	session->progress.items = (count + TOGETHER - 1) / TOGETHER;
+	for (size_t first = 0; first < count && !outcome; first += TOGETHER)
+		outcome = add_skeletons(
+			session, volume, first, count - first < TOGETHER ? count - first : TOGETHER, levels);
 	eskel_volume_free(volume);
 	return outcome;
 }

@@ -73,7 +73,8 @@ static double time_plain(const eskel_cloud *cloud, uint32_t levels)
 		.root_map = &metric.map,
 		.levels = levels};
 	esk_partition partition;
-	if (esk_levels_compute(&input, found) || esk_partition_init(&partition, segments, cloud->run_count, &metric))
+	if (esk_levels_compute(&input, found) ||
+		esk_partition_init(&partition, segments, cloud->run_count, &metric, NULL))
 		fail("no levels");
 
 	double map[3][3];
@@ -107,6 +108,8 @@ static void report(const char *name, const eskel_cloud *cloud)
 	measure_print(figure, "eskel 1..10", time_skeleton(cloud, (eskel_skeleton_options){.levels = 10}), "ms");
 	measure_print(figure, "eskel 1..10", measure_peak_megabytes(), "MB");
 	measure_print(figure, "eskel 1..16", time_skeleton(cloud, (eskel_skeleton_options){.levels = 16}), "ms");
+	measure_print(figure, "eskel 1..10, 2 threads",
+		time_skeleton(cloud, (eskel_skeleton_options){.levels = 10, .threads = 2}), "ms");
 	const eskel_skeleton_options coarse = {.levels = 16, .coarse_start = true};
 	measure_print(figure, "eskel 1..16, coarse start", time_skeleton(cloud, coarse), "ms");
 	measure_print(figure, "plain Lloyd in C 1..10", time_plain(cloud, 10), "ms");

@@ -1,4 +1,4 @@
-/* Time of the skeletons of all labels of a volume: bench_skeleton FIGURE FILE LEVELS [whole]
+/* Time of the skeletons of all labels of a volume: bench_skeleton FIGURE FILE LEVELS THREADS [whole]
  *
  * whole: from the bytes of the file to signatures; else the skeletons alone. */
 #include "eskel.h"
@@ -30,7 +30,7 @@ static eskel_volume *decode(const char *path)
 
 typedef struct {
 	const char *path;
-	uint32_t levels;
+	uint32_t levels, threads;
 	size_t count;
 	eskel_cloud **clouds;
 } work;
@@ -56,15 +56,17 @@ static void free_clouds(work *w)
 static void compute(void *context)
 {
 	const work *w = context;
+	const eskel_skeleton_options options = {.levels = w->levels, .threads = w->threads};
+	eskel_skeleton **skeletons = calloc(w->count, sizeof *skeletons);
+	require(skeletons &&
+		!eskel_skeletons_new((const eskel_cloud *const *)w->clouds, w->count, &options, skeletons, NULL));
 	for (size_t i = 0; i < w->count; i++) {
-		eskel_skeleton *skeleton = NULL;
 		eskel_signature *signature = NULL;
-		require(!eskel_skeleton_new(
-			w->clouds[i], &(eskel_skeleton_options){.levels = w->levels}, &skeleton, NULL));
-		require(!eskel_signature_new(skeleton, &signature));
+		require(!eskel_signature_new(skeletons[i], &signature));
 		eskel_signature_free(signature);
-		eskel_skeleton_free(skeleton);
+		eskel_skeleton_free(skeletons[i]);
 	}
+	free(skeletons);
 }
 
 static void compute_from_file(void *context)
@@ -77,12 +79,15 @@ static void compute_from_file(void *context)
 
 int main(int argc, char **argv)
 {
-	if (argc < 4)
+	if (argc < 5)
 		return 2;
-	work w = {.path = argv[2], .levels = (uint32_t)atoi(argv[3])};
-	char program[64];
-	snprintf(program, sizeof program, "eskel 1..%u%s", w.levels, argc > 4 ? ", bytes to signatures" : "");
-	if (argc > 4) {
+	work w = {.path = argv[2], .levels = (uint32_t)atoi(argv[3]), .threads = (uint32_t)atoi(argv[4])};
+	char program[80], threads[24] = "";
+	if (w.threads > 1)
+		snprintf(threads, sizeof threads, ", %u threads", w.threads);
+	snprintf(
+		program, sizeof program, "eskel 1..%u%s%s", w.levels, argc > 5 ? ", bytes to signatures" : "", threads);
+	if (argc > 5) {
 		measure_print(argv[1], program, measure_least(compute_from_file, &w), "ms");
 	} else {
 		read_clouds(&w);

@@ -57,19 +57,21 @@ partition() {
 
 atlas() {
 	aal=$atlases/aal.nii.gz
-	$ours/bench_skeleton atlas/aal-116 $aal 16 whole
-	$ours/bench_skeleton atlas/aal-116 $aal 10 whole
+	for threads in 1 2; do
+		$ours/bench_skeleton atlas/aal-116 $aal 16 $threads whole
+		$ours/bench_skeleton atlas/aal-116 $aal 10 $threads whole
+	done
 	/usr/bin/python3 $peers/clustering.py atlas/aal-116 $aal
 }
 
 growth() {
 	need shapes
 	for voxels in 20000 200000 2000000 20000000; do
-		$ours/bench_skeleton growth/voxels=$voxels $inputs/voxels=$voxels.nii.gz 10
+		$ours/bench_skeleton growth/voxels=$voxels $inputs/voxels=$voxels.nii.gz 10 1
 		[ $voxels -gt 2000000 ] || /usr/bin/python3 $peers/clustering.py growth/voxels=$voxels $inputs/voxels=$voxels.nii.gz
 	done
 	for levels in 4 8 16 32 64; do
-		$ours/bench_skeleton growth/levels=$levels $inputs/femur.nii.gz $levels
+		$ours/bench_skeleton growth/levels=$levels $inputs/femur.nii.gz $levels 1
 	done
 }
 

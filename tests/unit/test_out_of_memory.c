@@ -61,6 +61,19 @@ static eskel_status run_skeleton(const eskel_cloud *cloud, eskel_error *error)
 	return status;
 }
 
+/* Of the same cloud twice. */
+static eskel_status run_skeletons(const eskel_cloud *cloud, eskel_error *error)
+{
+	const eskel_cloud *const clouds[2] = {cloud, cloud};
+	eskel_skeleton *skeletons[2] = {NULL, NULL};
+	eskel_status status = eskel_skeletons_new(clouds, 2, &(eskel_skeleton_options){.levels = 2}, skeletons, error);
+	for (int i = 0; i < 2; i++) {
+		assert_int_equal(status != ESKEL_OK, skeletons[i] == NULL);
+		eskel_skeleton_free(skeletons[i]);
+	}
+	return status;
+}
+
 /* From the bytes of a file to a cloud, its encoding, and the cloud decoded from that; and to a skeleton. */
 static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error *error)
 {
@@ -83,6 +96,8 @@ static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error 
 	assert_int_equal(status != ESKEL_OK, again == NULL);
 	if (status == ESKEL_OK)
 		status = run_skeleton(again, error);
+	if (status == ESKEL_OK)
+		status = run_skeletons(again, error);
 	free(encoded);
 	eskel_cloud_free(again);
 	eskel_cloud_free(cloud);

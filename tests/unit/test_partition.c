@@ -123,7 +123,7 @@ static void check_levels(subject s, uint32_t levels, const char *where)
 	assert_int_equal(voxel_clustering(&set, levels, expected), levels);
 	assert_int_equal(found->count, levels);
 	esk_partition partition;
-	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric), ESKEL_OK);
+	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
 	for (uint32_t k = 1; k <= levels; k++) {
 		esk_sums centres[ESKEL_LEVELS_MAX];
 		for (uint32_t j = 0; j < k; j++)
@@ -219,7 +219,7 @@ static void any_number_of_classes_anywhere_is_assigned_by_least_score(void **sta
 	voxel_set set = voxels_of(&s);
 	uint8_t *labels = allocate(set.count, 1), *expected = allocate(set.count, 1);
 	esk_partition partition;
-	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric), ESKEL_OK);
+	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
 	uint64_t random = 5;
 	for (uint32_t k = 2; k <= ESKEL_LEVELS_MAX; k += 1 + k / 3) {
 		esk_scores scores = {.count = k};
@@ -289,7 +289,7 @@ static void an_empty_class_takes_the_farthest_voxel_of_another(void **state)
 		row[i][0] = i;
 	subject s = prepare(shapes_voxels((const uint16_t(*)[3])row, 9, &shapes_identity), ESKEL_PARTITION_EUCLIDEAN);
 	esk_partition partition;
-	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric), ESKEL_OK);
+	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
 	/* Two classes with one centre: ties go to class 0, so class 1 comes out empty and takes the voxel at u = -8. */
 	const esk_sums starts[2] = {{1, {2, 0, 0}}, {1, {2, 0, 0}}};
 	assert_int_equal(esk_partition_converge(&partition, starts, 2), ESKEL_OK);
@@ -311,7 +311,7 @@ static void as_many_classes_as_voxels_get_one_each(void **state)
 	}
 	subject s = prepare(shapes_voxels((const uint16_t(*)[3])row, 12, &shapes_identity), ESKEL_PARTITION_EUCLIDEAN);
 	esk_partition partition;
-	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric), ESKEL_OK);
+	assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
 	esk_sums starts[12];
 	for (int j = 0; j < 12; j++)
 		starts[j] = (esk_sums){1, {0, 0, 0}};
@@ -333,7 +333,7 @@ static void the_result_does_not_depend_on_the_labels_before(void **state)
 	from_8[8] = (esk_sums){1, {3, 5, 7}};
 	for (int round = 0; round < 2; round++) {
 		esk_partition partition;
-		assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric), ESKEL_OK);
+		assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
 		if (round) { /* reversed classes first */
 			esk_sums others[9];
 			for (uint32_t j = 0; j < 9; j++)

@@ -349,7 +349,7 @@ static void coarse_starts_end_in_fixed_points_of_the_full_cloud(void **state)
 		else
 			assert_int_equal(esk_metric_mahalanobis(cloud, &whole, &metric), ESKEL_OK);
 		esk_partition partition;
-		assert_int_equal(esk_partition_init(&partition, segments, cloud->run_count, &metric), ESKEL_OK);
+		assert_int_equal(esk_partition_init(&partition, segments, cloud->run_count, &metric, NULL), ESKEL_OK);
 		/* a node's centre gives back its integer sums */
 		const eskel_affine *a = &cloud->affine;
 		double det = eskel_affine_determinant(a);
