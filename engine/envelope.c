@@ -23,21 +23,14 @@
 
 #define EACH_UNROLLED(i, begin, end) _Pragma("GCC unroll 8") for (uint32_t i = (begin); i < (end); i++)
 
-/* The ranks of a set. Eight are written in any case, without a branch that would be mispredicted half of the time. */
-static inline __attribute__((always_inline)) uint32_t list_ranks(uint64_t set, uint8_t ranks[ESKEL_LEVELS_MAX])
+/* The ranks of a set of this count. */
+static inline __attribute__((always_inline)) void list_ranks(uint64_t set, uint32_t count, uint8_t *ranks)
 {
-	const uint64_t last = (uint64_t)1 << (ESKEL_LEVELS_MAX - 1);
-	const uint32_t count = (uint32_t)__builtin_popcountll(set);
-	EACH_UNROLLED(i, 0, 8)
+	EACH_UNROLLED(i, 0, count)
 	{
-		ranks[i] = (uint8_t)__builtin_ctzll(set | last);
-		set &= set - 1;
-	}
-	for (uint32_t i = 8; i < count; i++) {
 		ranks[i] = (uint8_t)__builtin_ctzll(set);
 		set &= set - 1;
 	}
-	return count;
 }
 
 #if defined(__x86_64__)
@@ -50,8 +43,15 @@ static inline __attribute__((always_inline)) uint32_t list_ranks(uint64_t set, u
 #define MULTIPLY_ADD(a, b, c) _mm512_fmadd_pd(a, b, c)
 #define ONE_MORE_WHERE(a, b) \
 	_mm512_mask_add_pd(a, _mm512_cmp_pd_mask(b, _mm512_setzero_pd(), _CMP_GT_OQ), a, _mm512_set1_pd(1))
+#define LEAST(a) _mm512_reduce_min_pd(a)
 #define WHERE_ABOVE(a, b) _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ)
 #include "envelope_lanes.h"
+
+__attribute__((target("avx2,fma"))) static inline double least_of_4(__m256d a)
+{
+	const __m128d b = _mm_min_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
+	return _mm_cvtsd_f64(_mm_min_sd(b, _mm_unpackhi_pd(b, b)));
+}
 
 #define LANES 4
 #define TARGET __attribute__((target("avx2,fma,bmi,bmi2")))
@@ -59,6 +59,7 @@ static inline __attribute__((always_inline)) uint32_t list_ranks(uint64_t set, u
 #define MAX(a, b) _mm256_max_pd(a, b)
 #define MULTIPLY_ADD(a, b, c) _mm256_fmadd_pd(a, b, c)
 #define ONE_MORE_WHERE(a, b) ((a) + _mm256_and_pd(_mm256_cmp_pd(b, _mm256_setzero_pd(), _CMP_GT_OQ), _mm256_set1_pd(1)))
+#define LEAST(a) least_of_4(a)
 #define WHERE_ABOVE(a, b) (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ))
 #include "envelope_lanes.h"
 #endif
@@ -70,6 +71,7 @@ static inline __attribute__((always_inline)) uint32_t list_ranks(uint64_t set, u
 #define MAX(a, b) PICK((a) > (b), a, b)
 #define MULTIPLY_ADD(a, b, c) ((a) * (b) + (c))
 #define ONE_MORE_WHERE(a, b) ((a) + PICK((b) > 0, ((lanes_2){1, 1}), ((lanes_2){0, 0})))
+#define LEAST(a) ((a)[0] < (a)[1] ? (a)[0] : (a)[1])
 #define WHERE_ABOVE(a, b) ((unsigned)((a)[0] > (b)[0]) | (unsigned)((a)[1] > (b)[1]) << 1)
 #include "envelope_lanes.h"
 
@@ -77,13 +79,14 @@ void esk_envelope_divide(const esk_envelope *envelope, const esk_pack *pack, uin
 	esk_stretch stretches[ESKEL_LEVELS_MAX])
 {
 	uint8_t ranks[ESKEL_LEVELS_MAX];
-	const uint32_t count = list_ranks(candidates, ranks);
+	const uint32_t count = (uint32_t)__builtin_popcountll(candidates);
+	list_ranks(candidates, count, ranks);
 	for (size_t lane = 0; lane < ESK_PACK; lane += 2) {
-		lanes_2 first[ESKEL_LEVELS_MAX], voxels[ESKEL_LEVELS_MAX];
-		divide_2(envelope, pack, lane, ranks, count, first, voxels);
+		lanes_2 first[ESKEL_LEVELS_MAX], end[ESKEL_LEVELS_MAX];
+		divide_2(envelope, pack, lane, ranks, count, first, end);
 		for (uint32_t i = 0; i < count; i++) {
 			*(lanes_2 *)&stretches[i].first[lane] = first[i];
-			*(lanes_2 *)&stretches[i].voxels[lane] = voxels[i];
+			*(lanes_2 *)&stretches[i].end[lane] = end[i];
 		}
 	}
 }
@@ -152,7 +155,7 @@ bool esk_envelope_set(esk_envelope *e, const esk_scores *scores)
 	for (uint32_t i = 0; i < e->count; i++)
 		for (uint32_t j = i + 1; j < e->count; j++) {
 			const double loss = 2 * (e->slope[0][i] - e->slope[0][j]);
-			e->loss[i][j] = loss;
+			e->change[i][j] = -loss;
 			e->inverse[i][j] = loss > 0 ? 1 / loss : 0x1p20;
 		}
 	return same;

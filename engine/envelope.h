@@ -10,13 +10,14 @@ typedef struct {
 	uint32_t count;
 	uint8_t class_index[ESKEL_LEVELS_MAX], rank[ESKEL_LEVELS_MAX];
 	double constant[ESKEL_LEVELS_MAX], slope[3][ESKEL_LEVELS_MAX];
-	/* of ranks a < b: what the lead of a over b falls by from a voxel to the next, and its inverse */
-	double loss[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX], inverse[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX];
+	/* of ranks a < b: by how much the lead of a over b changes from a voxel to the next, and the inverse of its fall */
+	double change[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX], inverse[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX];
 } esk_envelope;
 
-/* The voxels of each segment that a class wins, counted from the segment's first one. */
+/* The voxels of each segment that a class wins, from first up to end, counted from the segment's first one. None when end
+ * is not above first. */
 typedef struct {
-	double first[ESK_PACK], voxels[ESK_PACK];
+	double first[ESK_PACK], end[ESK_PACK];
 } esk_stretch;
 
 /* The sums of every rank, summed up lane by lane. */

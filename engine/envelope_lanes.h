@@ -3,6 +3,7 @@
  *	LANES, TARGET                doubles a vector, the functions' attribute
  *	MIN, MAX, MULTIPLY_ADD       on vectors of doubles
  *	ONE_MORE_WHERE(a, b)         a, and 1 more where b > 0
+ *	LEAST(a)                     the least lane
  *	WHERE_ABOVE(a, b)            a bit for every lane with a > b
  */
 #define JOIN(a, b) a##b
@@ -21,7 +22,7 @@ typedef int64_t integers __attribute__((vector_size(8 * LANES), may_alias, align
 
 /* The stretches of count ranks in the segments from lane on. */
 TARGET static inline __attribute__((always_inline)) void divide(const esk_envelope *e, const esk_pack *pack,
-	size_t lane, const uint8_t *ranks, uint32_t count, lanes *first, lanes *voxels)
+	size_t lane, const uint8_t *ranks, uint32_t count, lanes *first, lanes *end)
 {
 	const lanes x = *(const lanes *)&pack->x_first[lane], y = *(const lanes *)&pack->y[lane];
 	const lanes z = *(const lanes *)&pack->z[lane], zero = {0};
@@ -35,33 +36,36 @@ TARGET static inline __attribute__((always_inline)) void divide(const esk_envelo
 	}
 	EACH_UNROLLED(i, 0, count)
 	{
-		lanes end = *(const lanes *)&pack->voxels[lane];
+		end[i] = *(const lanes *)&pack->voxels[lane];
 		EACH_UNROLLED(j, i + 1, count)
 		{
 			const lanes lead = score[j] - score[i];
 			const lanes inverse = SPREAD(e->inverse[ranks[i]][ranks[j]]);
-			const lanes loss = SPREAD(e->loss[ranks[i]][ranks[j]]);
+			const lanes change = SPREAD(e->change[ranks[i]][ranks[j]]);
 			const lanes near = MULTIPLY_ADD(lead, inverse, SPREAD(0x1.8p52)) - 0x1.8p52;
-			const lanes won = ONE_MORE_WHERE(near, MULTIPLY_ADD(near, -loss, lead));
-			end = MIN(end, won);
+			const lanes won = ONE_MORE_WHERE(near, MULTIPLY_ADD(near, change, lead));
+			end[i] = MIN(end[i], won);
 			first[j] = MAX(first[j], won);
 		}
-		voxels[i] = MAX(end - first[i], zero);
 	}
 }
 
 /* Sums stay in lanes until the pass ends. */
 TARGET static inline __attribute__((always_inline)) void tally_pack(
-	const esk_envelope *e, const esk_pack *pack, const uint8_t *ranks, uint32_t count, esk_tally *tally)
+	const esk_envelope *e, const esk_pack *pack, uint64_t candidates, uint32_t count, esk_tally *tally)
 {
+	uint8_t ranks[ESKEL_LEVELS_MAX];
+	list_ranks(candidates, count, ranks);
 	for (size_t lane = 0; lane < ESK_PACK; lane += LANES) {
-		lanes first[ESKEL_LEVELS_MAX], voxels[ESKEL_LEVELS_MAX];
-		divide(e, pack, lane, ranks, count, first, voxels);
-		const lanes weight = *(const lanes *)&pack->weight[lane], x = *(const lanes *)&pack->x_first[lane];
+		lanes first[ESKEL_LEVELS_MAX], end[ESKEL_LEVELS_MAX];
+		divide(e, pack, lane, ranks, count, first, end);
+		const lanes weight = *(const lanes *)&pack->weight[lane],
+			    before = *(const lanes *)&pack->x_first[lane] - 1;
 		const lanes y = *(const lanes *)&pack->y[lane], z = *(const lanes *)&pack->z[lane];
 		EACH_UNROLLED(i, 0, count)
 		{
-			const lanes part = weight * voxels[i], middle = x + first[i] + first[i] + voxels[i] - 1;
+			const lanes part = weight * MAX(end[i] - first[i], (lanes){0}),
+				    middle = before + (first[i] + end[i]);
 			lanes *sum = (lanes *)&tally->weight[ranks[i]][lane];
 			*sum += part;
 			sum = (lanes *)&tally->first[ranks[i]][0][lane];
@@ -78,34 +82,33 @@ TARGET static void tally_packs(
 	const esk_envelope *e, const esk_pack *packs, const uint64_t *candidates, size_t count, esk_tally *tally)
 {
 	for (size_t p = 0; p < count; p++) {
-		if (!(candidates[p] & (candidates[p] - 1)))
-			continue;
-		uint8_t ranks[ESKEL_LEVELS_MAX];
-		const uint32_t found = list_ranks(candidates[p], ranks);
+		const uint32_t found = (uint32_t)__builtin_popcountll(candidates[p]);
 		switch (found) { /* unrolled for the usual counts, as loops so short are mispredicted at their ends */
+		case 1:
+			break;
 		case 2:
-			tally_pack(e, &packs[p], ranks, 2, tally);
+			tally_pack(e, &packs[p], candidates[p], 2, tally);
 			break;
 		case 3:
-			tally_pack(e, &packs[p], ranks, 3, tally);
+			tally_pack(e, &packs[p], candidates[p], 3, tally);
 			break;
 		case 4:
-			tally_pack(e, &packs[p], ranks, 4, tally);
+			tally_pack(e, &packs[p], candidates[p], 4, tally);
 			break;
 		case 5:
-			tally_pack(e, &packs[p], ranks, 5, tally);
+			tally_pack(e, &packs[p], candidates[p], 5, tally);
 			break;
 		case 6:
-			tally_pack(e, &packs[p], ranks, 6, tally);
+			tally_pack(e, &packs[p], candidates[p], 6, tally);
 			break;
 		case 7:
-			tally_pack(e, &packs[p], ranks, 7, tally);
+			tally_pack(e, &packs[p], candidates[p], 7, tally);
 			break;
 		case 8:
-			tally_pack(e, &packs[p], ranks, 8, tally);
+			tally_pack(e, &packs[p], candidates[p], 8, tally);
 			break;
 		default:
-			tally_pack(e, &packs[p], ranks, found, tally);
+			tally_pack(e, &packs[p], candidates[p], found, tally);
 		}
 	}
 }
@@ -121,9 +124,7 @@ TARGET static uint64_t find_candidates(const esk_envelope *e, const esk_box *box
 		at[j / LANES] = sum;
 		best = MIN(best, sum);
 	}
-	double winning = best[0];
-	for (int l = 1; l < LANES; l++)
-		winning = best[l] < winning ? best[l] : winning;
+	const double winning = LEAST(best);
 	const uint8_t winner = e->rank[(int64_t)winning & (ESKEL_LEVELS_MAX - 1)];
 	uint64_t above = 0;
 	for (uint32_t j = 0; j < e->count; j += LANES) {
@@ -135,14 +136,15 @@ TARGET static uint64_t find_candidates(const esk_envelope *e, const esk_box *box
 		above |= (uint64_t)WHERE_ABOVE(lead, SPREAD(margin)) << j;
 		least = MIN(least, PICK(lead > margin, lead, SPREAD(INFINITY)));
 	}
-	for (int l = 0; l < LANES; l++)
-		*least_lead = least[l] < *least_lead ? least[l] : *least_lead;
+	const double least_left_out = LEAST(least);
+	*least_lead = least_left_out < *least_lead ? least_left_out : *least_lead;
 	return ~above & (~(uint64_t)0 >> (ESKEL_LEVELS_MAX - e->count));
 }
 
 #undef find_candidates
 #undef SPREAD
 #undef PICK
+#undef LEAST
 #undef WHERE_ABOVE
 #undef tally_pack
 #undef tally_packs

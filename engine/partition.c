@@ -50,6 +50,14 @@ static double squared_distance(const esk_metric *metric, const esk_sums *sums, c
 	return sum;
 }
 
+/* By z, then y, then x. */
+static bool is_before(const esk_segment *a, const esk_segment *b)
+{
+	if (a->z != b->z)
+		return a->z < b->z;
+	return a->y != b->y ? a->y < b->y : a->x_first < b->x_first;
+}
+
 /* Gives a class the voxel farthest from its centre, among classes of two voxels or more; the first one on a tie.
  * Distance is convex along a part, so the ends of parts suffice. */
 static eskel_status give_farthest_voxel(esk_partition *partition, esk_labelling *labelling, uint32_t class_index)
@@ -64,14 +72,14 @@ static eskel_status give_farthest_voxel(esk_partition *partition, esk_labelling 
 	for (size_t i = 0; i < labelling->count; i++) {
 		const esk_part *part = &labelling->parts[i];
 		for (int end = 0; end < 2 && voxels[part->class_index] >= 2; end++) {
-			const int32_t x = end ? part->segment.x_last : part->segment.x_first;
-			const double u[3] = {x, part->segment.y, part->segment.z};
+			esk_segment here = part->segment;
+			here.x_first = here.x_last = end ? here.x_last : here.x_first;
+			const double u[3] = {here.x_first, here.y, here.z};
 			const double d = squared_distance(partition->metric, &sums[part->class_index], u);
-			if (d > farthest) {
+			if (d > farthest || (d == farthest && is_before(&here, &voxel))) {
 				farthest = d;
 				found = i;
-				voxel = part->segment;
-				voxel.x_first = voxel.x_last = x;
+				voxel = here;
 			}
 		}
 	}

@@ -20,7 +20,7 @@ void esk_partition_assign(esk_partition *partition, const esk_scores *scores);
 
 /* Repeats "centres of the classes, then voxels to the nearest centre" until no centre changes. Starts from the centres
  * of starts[count], of which none is empty; there are at least count voxels. An emptied class takes the voxel farthest
- * from its centre among the classes of two voxels or more (the first one on a tie). */
+ * from its centre among the classes of two voxels or more (on a tie the first one by z, then y, then x). */
 eskel_status esk_partition_converge(esk_partition *partition, const esk_sums *starts, uint32_t count);
 
 /* The labels that assign or converge ended with. labelling is empty, or reused. */

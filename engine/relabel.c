@@ -253,11 +253,12 @@ static size_t divide(const esk_envelope *e, const esk_segment *segments, size_t 
 	for (size_t i = 0; i < count; i++) {
 		const esk_stretch *s = stretches;
 		for (uint64_t rest = candidates; rest; rest &= rest - 1, s++) {
-			esk_part *part = &parts[found];
+			if (s->end[i] <= s->first[i])
+				continue;
+			esk_part *part = &parts[found++];
 			*part = (esk_part){segments[i], e->class_index[__builtin_ctzll(rest)]};
+			part->segment.x_last = part->segment.x_first + 2 * ((int32_t)s->end[i] - 1);
 			part->segment.x_first += 2 * (int32_t)s->first[i];
-			part->segment.x_last = part->segment.x_first + 2 * ((int32_t)s->voxels[i] - 1);
-			found += s->voxels[i] > 0;
 		}
 	}
 	return found;

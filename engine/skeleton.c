@@ -4,6 +4,7 @@
 #include "error.h"
 #include "levels.h"
 #include "memory.h"
+#include "morton.h"
 #include "tree.h"
 
 #include <stdlib.h>
@@ -19,7 +20,9 @@ static eskel_status coarse_levels(const eskel_cloud *cloud, const esk_levels_inp
 		return status;
 	input.segments = segments;
 	input.progress = NULL;
-	status = esk_levels_compute(&input, levels);
+	status = esk_morton_sort(segments, input.segment_count);
+	if (!status)
+		status = esk_levels_compute(&input, levels);
 	free(segments);
 	for (size_t n = 0; !status && n < ESKEL_NODES(levels->count); n++)
 		for (int r = 0; r < 3; r++)
@@ -34,20 +37,34 @@ static esk_team *team_for(const eskel_cloud *cloud, const eskel_skeleton_options
 	return cloud->run_count < few_runs ? NULL : esk_team_new(esk_team_threads(options->threads));
 }
 
+static eskel_status list_segments(const eskel_cloud *cloud, esk_segment **segments)
+{
+	esk_segment *made = esk_memory_array(cloud->run_count, sizeof *made);
+	if (!made)
+		return ESKEL_NO_MEMORY;
+	esk_segments_from_cloud(cloud, made);
+	eskel_status status = esk_morton_sort(made, cloud->run_count);
+	if (status) {
+		free(made);
+		return status;
+	}
+	*segments = made;
+	return ESKEL_OK;
+}
+
 static eskel_status make_levels(const eskel_cloud *cloud, const eskel_skeleton_options *options, esk_levels *levels)
 {
 	esk_levels *coarse = NULL;
-	esk_segment *segments = esk_memory_array(cloud->run_count, sizeof *segments);
-	if (!segments)
-		return ESKEL_NO_MEMORY;
-	esk_segments_from_cloud(cloud, segments);
+	esk_segment *segments = NULL;
+	eskel_status status = list_segments(cloud, &segments);
+	if (status)
+		return status;
 	esk_moments whole = {0};
 	for (size_t i = 0; i < cloud->run_count; i++)
 		esk_moments_add(&whole, &segments[i]);
 
 	esk_metric metric;
 	const eskel_affine world = esk_segments_world(cloud);
-	eskel_status status = ESKEL_OK;
 	if (options->metric == ESKEL_PARTITION_MAHALANOBIS)
 		status = esk_metric_mahalanobis(cloud, &whole, &metric);
 	else

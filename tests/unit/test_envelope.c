@@ -160,10 +160,10 @@ static void stretches_are_where_each_class_wins(void **state)
 		for (int i = 0; i < ESK_PACK; i++) {
 			double next = 0;
 			for (uint32_t j = 0; j < classes; j++) {
-				if (stretches[j].voxels[i] == 0)
+				if (stretches[j].end[i] <= stretches[j].first[i])
 					continue;
 				assert_true(stretches[j].first[i] == next);
-				next += stretches[j].voxels[i];
+				next = stretches[j].end[i];
 				for (double n = stretches[j].first[i]; n < next; n++)
 					assert_int_equal(envelope.class_index[j],
 						winner_at(&scores, (int64_t)(pack.x_first[i] + 2 * n),

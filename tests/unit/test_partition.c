@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "levels.h"
+#include "morton.h"
 #include "partition.h"
 #include "real_data.h"
 #include "shapes.h"
@@ -333,7 +334,8 @@ static void the_result_does_not_depend_on_the_labels_before(void **state)
 	from_8[8] = (esk_sums){1, {3, 5, 7}};
 	for (int round = 0; round < 2; round++) {
 		esk_partition partition;
-		assert_int_equal(esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
+		assert_int_equal(
+			esk_partition_init(&partition, s.segments, s.cloud->run_count, &s.metric, NULL), ESKEL_OK);
 		if (round) { /* reversed classes first */
 			esk_sums others[9];
 			for (uint32_t j = 0; j < 9; j++)
@@ -398,6 +400,20 @@ static void mirrored_and_permuted_clouds_have_exactly_mirrored_and_permuted_clas
 	}
 	free(levels);
 	dispose(&s);
+}
+
+static void the_order_of_segments_does_not_matter(void **state)
+{
+	(void)state;
+	subject a = small_hamate(&oblique), b = small_hamate(&oblique);
+	assert_int_equal(esk_morton_sort(b.segments, b.cloud->run_count), ESKEL_OK);
+	assert_memory_not_equal(a.segments, b.segments, a.cloud->run_count * sizeof *a.segments);
+	esk_levels *levels[2] = {levels_of(&a, 16), levels_of(&b, 16)};
+	assert_images(levels[0], levels[1], (const int[3]){0, 1, 2}, (const int[3]){1, 1, 1});
+	free(levels[0]);
+	free(levels[1]);
+	dispose(&a);
+	dispose(&b);
 }
 
 static void a_rotated_header_gives_the_same_labels(void **state)
@@ -479,6 +495,7 @@ int main(void)
 		cmocka_unit_test(an_empty_class_takes_the_farthest_voxel_of_another),
 		cmocka_unit_test(as_many_classes_as_voxels_get_one_each),
 		cmocka_unit_test(the_result_does_not_depend_on_the_labels_before),
+		cmocka_unit_test(the_order_of_segments_does_not_matter),
 		cmocka_unit_test(mirrored_and_permuted_clouds_have_exactly_mirrored_and_permuted_classes),
 		cmocka_unit_test(a_rotated_header_gives_the_same_labels),
 		cmocka_unit_test(whitening_does_not_depend_on_the_affine),
