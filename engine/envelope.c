@@ -37,7 +37,7 @@ static inline __attribute__((always_inline)) void list_ranks(uint64_t set, uint3
 #include <immintrin.h>
 
 #define LANES 8
-#define TARGET __attribute__((target("avx512f,avx512dq,bmi,bmi2")))
+#define TARGET __attribute__((target("avx512f,avx512dq")))
 #define MIN(a, b) _mm512_min_pd(a, b)
 #define MAX(a, b) _mm512_max_pd(a, b)
 #define MULTIPLY_ADD(a, b, c) _mm512_fmadd_pd(a, b, c)
@@ -54,7 +54,7 @@ __attribute__((target("avx2,fma"))) static inline double least_of_4(__m256d a)
 }
 
 #define LANES 4
-#define TARGET __attribute__((target("avx2,fma,bmi,bmi2")))
+#define TARGET __attribute__((target("avx2,fma")))
 #define MIN(a, b) _mm256_min_pd(a, b)
 #define MAX(a, b) _mm256_max_pd(a, b)
 #define MULTIPLY_ADD(a, b, c) _mm256_fmadd_pd(a, b, c)

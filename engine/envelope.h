@@ -28,15 +28,17 @@ typedef struct {
 /* Writes the scores by rank. False when the ranks are other classes than before. */
 bool esk_envelope_set(esk_envelope *envelope, const esk_scores *scores);
 
-/* The ranks that may win somewhere in a box, or come within the margin of winning. */
+/* The ranks that may win somewhere in a box, or come within the margin of winning: all, as far as a comparison with the
+ * winner at its centre tells. *least_lead is lowered to the least that the winner leads one of the others by. Centre and
+ * half are multiples of 1/2. */
 uint64_t esk_envelope_candidates(const esk_envelope *envelope, const esk_box *box, double margin, double *least_lead);
 
 /* The stretch of every candidate, a bit a rank, in the order of ranks. Other classes must not win anywhere. */
 void esk_envelope_divide(const esk_envelope *envelope, const esk_pack *pack, uint64_t candidates,
 	esk_stretch stretches[ESKEL_LEVELS_MAX]);
 
-/* Adds the candidates' sums in packs[count] that have two candidates or more. Exact while the weights of all segments that
- * were ever added sum up to less than 2^37. */
+/* Adds the candidates' sums in packs[count] that have two candidates or more. Exact while the sum of w |u_r| over all that
+ * was added stays below 2^53. */
 void esk_envelope_tally(const esk_envelope *envelope, const esk_pack *packs, const uint64_t *candidates, size_t count,
 	esk_tally *tally);
 

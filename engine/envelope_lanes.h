@@ -59,13 +59,12 @@ TARGET static inline __attribute__((always_inline)) void tally_pack(
 	for (size_t lane = 0; lane < ESK_PACK; lane += LANES) {
 		lanes first[ESKEL_LEVELS_MAX], end[ESKEL_LEVELS_MAX];
 		divide(e, pack, lane, ranks, count, first, end);
-		const lanes weight = *(const lanes *)&pack->weight[lane],
-			    before = *(const lanes *)&pack->x_first[lane] - 1;
-		const lanes y = *(const lanes *)&pack->y[lane], z = *(const lanes *)&pack->z[lane];
+		const lanes x = *(const lanes *)&pack->x_first[lane], y = *(const lanes *)&pack->y[lane];
+		const lanes z = *(const lanes *)&pack->z[lane], weight = *(const lanes *)&pack->weight[lane];
 		EACH_UNROLLED(i, 0, count)
 		{
-			const lanes part = weight * MAX(end[i] - first[i], (lanes){0}),
-				    middle = before + (first[i] + end[i]);
+			const lanes part = weight * MAX(end[i] - first[i], (lanes){0});
+			const lanes middle = (x - 1) + (first[i] + end[i]); /* of x + 2 first and x + 2 (end - 1) */
 			lanes *sum = (lanes *)&tally->weight[ranks[i]][lane];
 			*sum += part;
 			sum = (lanes *)&tally->first[ranks[i]][0][lane];
