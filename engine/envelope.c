@@ -20,6 +20,7 @@
 #include "envelope.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Clang unrolls by itself, and would take minutes for it where sanitizers have added to the loops. */
 #if defined(__clang__)
@@ -145,6 +146,9 @@ static bool sort(esk_envelope *e, const esk_scores *scores)
 
 bool esk_envelope_set(esk_envelope *e, const esk_scores *scores)
 {
+	const bool as_many = e->count == scores->count;
+	uint8_t before[ESKEL_LEVELS_MAX];
+	memcpy(before, e->class_index, sizeof before);
 	const bool same = sort(e, scores);
 	const uint32_t padded = (e->count + 7) & ~7u;
 	for (uint32_t i = e->count; i < padded; i++) {
@@ -157,6 +161,8 @@ bool esk_envelope_set(esk_envelope *e, const esk_scores *scores)
 		for (int r = 0; r < 3; r++)
 			e->slope[r][i] = scores->slope[r][e->class_index[i]];
 	}
+	for (uint32_t i = 0; i < e->count && as_many; i++)
+		e->successor[i] = e->rank[before[i]];
 	for (uint32_t i = 0; i < e->count; i++)
 		for (uint32_t j = i + 1; j < e->count; j++) {
 			const double loss = 2 * (e->slope[0][i] - e->slope[0][j]);
@@ -164,4 +170,12 @@ bool esk_envelope_set(esk_envelope *e, const esk_scores *scores)
 			e->inverse[i][j] = loss > 0 ? 1 / loss : 0x1p20;
 		}
 	return same;
+}
+
+uint64_t esk_envelope_follow(const esk_envelope *e, uint64_t ranks)
+{
+	uint64_t now = 0;
+	for (; ranks; ranks &= ranks - 1)
+		now |= (uint64_t)1 << e->successor[__builtin_ctzll(ranks)];
+	return now;
 }

@@ -9,6 +9,7 @@
 typedef struct {
 	uint32_t count;
 	uint8_t class_index[ESKEL_LEVELS_MAX], rank[ESKEL_LEVELS_MAX];
+	uint8_t successor[ESKEL_LEVELS_MAX]; /* the rank now of the class that had this rank before */
 	double constant[ESKEL_LEVELS_MAX], slope[3][ESKEL_LEVELS_MAX];
 	/* of ranks a < b: by how much the lead of a over b changes from a voxel to the next, and the inverse of its fall */
 	double change[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX], inverse[ESKEL_LEVELS_MAX][ESKEL_LEVELS_MAX];
@@ -27,6 +28,9 @@ typedef struct {
 
 /* Writes the scores by rank. False when the ranks are other classes than before. */
 bool esk_envelope_set(esk_envelope *envelope, const esk_scores *scores);
+
+/* The ranks now of the classes that had these ranks before the last set, which had as many classes. */
+uint64_t esk_envelope_follow(const esk_envelope *envelope, uint64_t ranks);
 
 /* The ranks that may win somewhere in a box, or come within the margin of winning: all, as far as a comparison with the
  * winner at its centre tells. *least_lead is lowered to the least that the winner leads one of the others by. Centre and

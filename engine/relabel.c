@@ -6,7 +6,7 @@
  *	2. each pack has candidates of its own among them, found in its smaller box, and some more that come within a margin
  *	   of winning. As long as scores have not moved, relative to each other, by the least lead over a class that is left
  *	   out, no such class can win there. The block's clock adds up how far its candidates' scores have moved in its box;
- *	   a new candidate, or another order of ranks, makes all packs of the block look again.
+ *	   a new candidate makes all packs of the block look again.
  *	3. a pack with one candidate belongs to it as a whole, and takes no more time until it is due. The others are divided.
  *
  * Threads go over shares of the blocks. Sums are exact, so it does not matter which thread adds what. */
@@ -221,7 +221,9 @@ static void update_block(
 	const uint64_t ranks = esk_envelope_candidates(relabeller->envelope, &b->box, 0, &ignored);
 	const uint64_t candidates = classes_of(relabeller->envelope, ranks);
 	const bool all =
-		!relabeller->before.count || !same_ranks || (candidates & ~b->candidates) || b->clock > INT64_MAX / 4;
+		relabeller->before.count != scores->count || (candidates & ~b->candidates) || b->clock > INT64_MAX / 4;
+	for (size_t p = index * BLOCK_PACKS; p < block_end(relabeller, index) && !all && !same_ranks; p++)
+		relabeller->candidates[p] = esk_envelope_follow(relabeller->envelope, relabeller->candidates[p]);
 	const int64_t moved = relabeller->before.count ? movement_in(b, &relabeller->before, scores) : 0;
 	b->clock = all ? 0 : b->clock + moved;
 	b->candidates = candidates;

@@ -241,7 +241,11 @@ static void ranks_follow_falling_slopes_and_tell_when_they_change(void **state)
 	for (uint32_t i = 0; i < 20; i++)
 		assert_int_equal(envelope.rank[envelope.class_index[i]], i);
 	scores.slope[0][envelope.class_index[7]] = scores.slope[0][envelope.class_index[12]] - 128;
+	const esk_envelope before = envelope;
 	assert_false(esk_envelope_set(&envelope, &scores));
+	const uint64_t ranks = 0xa5c93, now = esk_envelope_follow(&envelope, ranks);
+	for (uint32_t i = 0; i < 20; i++)
+		assert_int_equal(now >> envelope.rank[before.class_index[i]] & 1, ranks >> i & 1);
 }
 
 int main(void)
