@@ -5,8 +5,8 @@
 #     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|enroll|serve|start]...
 #
 # start is not among those that run unless asked for: it fills 4.4 GB with a million shapes, which takes two minutes.
-# ROUNDS=5 takes five rounds in place of three. Everything is one thread, but for the server. Programs, inputs and
-# results are in build-bench/. README.md beside this file says how to read the table.
+# ROUNDS=5 takes five rounds in place of three. Everything is one thread, but for the server and rows that say so. Programs,
+# inputs and results are in build-bench/. README.md beside this file says how to read the table.
 set -eu
 
 cd "$(dirname "$0")/../.."
