@@ -116,9 +116,9 @@ static void by_halves(const esk_bound *bound, const esk_columns *columns, const 
 	const esk_query *query = bound->query;
 	const eskel_signature_kind kind = query->signature;
 	const uint32_t numbers = esk_numbers(kind);
-	const size_t skipped = (levels.first - 1) * (size_t)2 * numbers,
-		     halves = levels.last * (size_t)2 * numbers - skipped;
-	const float step = esk_columns_half_codes(kind, 0).step, most = (float)halves / 2;
+	const size_t row = ESK_SUMMED_LEVELS * (size_t)2 * numbers;
+	const size_t begin = (levels.first - 1) * (size_t)2 * numbers, end = levels.last * (size_t)2 * numbers;
+	const float step = esk_columns_half_codes(kind, 0).step, most = (float)(end - begin) / 2;
 	const double magnitudes = bound->halves_magnitudes[levels.last] - bound->halves_magnitudes[levels.first - 1];
 	const float each = (float)(levels.each * (1 - relative_margin));
 	const float margin = (float)(levels.each * absolute_margin * magnitudes);
@@ -127,14 +127,14 @@ static void by_halves(const esk_bound *bound, const esk_columns *columns, const 
 	for (uint32_t i = 0; i < count; i++) {
 		worths[i] = has_unit(query) ? step * columns->scales[slots[i]] : step;
 		slacks[i] = columns->slacks[kind][slots[i]];
-		rows[i] = esk_columns_halves(columns, slots[i], kind) + skipped;
+		rows[i] = esk_columns_halves(columns, slots[i], kind);
 	}
 	for (size_t i = 0; i < count; i++)
 		steps[i] = 1 / worths[i];
 	if (!query->euclidean)
-		esk_halves_sum(bound->halves + skipped, halves, rows, steps, count, sums);
+		esk_halves_sum(bound->halves, begin, end, row, rows, steps, count, sums);
 	for (uint32_t i = 0; query->euclidean && i < count; i++)
-		sums[i] = euclidean_halves(bound->halves + skipped, halves, rows[i], steps[i], numbers);
+		sums[i] = euclidean_halves(bound->halves + begin, end - begin, rows[i] + begin, steps[i], numbers);
 	for (size_t i = 0; i < count; i++) {
 		/* A rounding is at most half a step. */
 		const float least = (sums[i] - (slacks[i] < most ? slacks[i] : most)) * worths[i];

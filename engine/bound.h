@@ -10,7 +10,6 @@
 
 #include "columns.h"
 #include "distance.h"
-#include "halves.h"
 #include "scan.h"
 
 enum { ESK_SUMMED_NUMBERS = ESK_NUMBERS_MAX * ESKEL_NODES(ESK_SUMMED_LEVELS) };
@@ -20,7 +19,7 @@ typedef struct {
 	const esk_query *query;
 	esk_scan scan; /* of total_halves */
 	float total_halves[ESK_HALVES_MAX];
-	float halves[ESK_SUMMED_LEVELS * ESK_HALVES_MAX + ESK_HALVES_PAST]; /* above the origin of their codes */
+	float halves[ESK_SUMMED_LEVELS * ESK_HALVES_MAX]; /* above the origin of their codes */
 	/* Sorted numbers as a shape has them, 5 rows a level, and what a difference is worth in the level's mean pair cost: 1 / k,
 	 * or 0 for a row that the signature does not use. */
 	float sorted[ESK_SUMMED_NUMBERS], worths[ESK_SUMMED_NUMBERS];

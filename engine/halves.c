@@ -1,5 +1,8 @@
 /* One loop in the widths that processors have; the widest one there is runs. A row is summed in sixteen lanes, which are put
- * together in one order, and nothing is fused, so all of them find the same. */
+ * together in one order, and nothing is fused, so all of them find the same.
+ *
+ * What is left after whole sixteens is a part of another sixteen, which lies in the row: what follows a row may be another
+ * shape's, being written. */
 #include "halves.h"
 
 enum { SUMMED = 16 };
@@ -43,18 +46,18 @@ static inline __attribute__((always_inline)) float sum_of_sixteen(const float *n
 #define TO_FLOAT(p) ((lanes_4){(p)[0], (p)[1], (p)[2], (p)[3]})
 #include "halves_lanes.h"
 
-void esk_halves_sum(
-	const float *mine, size_t count, const uint8_t *const *rows, const float *steps, size_t row_count, float *sums)
+void esk_halves_sum(const float *mine, size_t begin, size_t end, size_t size, const uint8_t *const *rows,
+	const float *steps, size_t row_count, float *sums)
 {
 #if defined(__x86_64__)
 	if (__builtin_cpu_supports("avx512f")) {
-		sum_avx512(mine, count, rows, steps, row_count, sums);
+		sum_avx512(mine, begin, end, size, rows, steps, row_count, sums);
 		return;
 	}
 	if (__builtin_cpu_supports("avx2")) {
-		sum_avx2(mine, count, rows, steps, row_count, sums);
+		sum_avx2(mine, begin, end, size, rows, steps, row_count, sums);
 		return;
 	}
 #endif
-	sum_plain(mine, count, rows, steps, row_count, sums);
+	sum_plain(mine, begin, end, size, rows, steps, row_count, sums);
 }

@@ -5,12 +5,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Rows are read up to so many bytes past their end, and mine as many floats. */
-enum { ESK_HALVES_PAST = 15 };
-
-/* sums[i] = sum over n < count of |min(mine[n] steps[i], 255) - rows[i][n]|, in sixteen lanes on every processor: the
- * same to the last bit. */
-void esk_halves_sum(
-	const float *mine, size_t count, const uint8_t *const *rows, const float *steps, size_t row_count, float *sums);
+/* sums[i] = sum over begin <= n < end of |min(mine[n] steps[i], 255) - rows[i][n]|, in sixteen lanes on every processor:
+ * the same to the last bit. Rows have size numbers, at least 16, and end is at most size. */
+void esk_halves_sum(const float *mine, size_t begin, size_t end, size_t size, const uint8_t *const *rows,
+	const float *steps, size_t row_count, float *sums);
 
 #endif

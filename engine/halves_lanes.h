@@ -16,22 +16,24 @@ typedef int32_t integers __attribute__((vector_size(4 * LANES), may_alias, align
 #define DIFFERENCE(n, part) \
 	(MIN(*(const lanes *)(mine + AT(n, part)) * steps[i], last_code) - TO_FLOAT(rows[i] + AT(n, part)))
 
-TARGET static void NAME(
-	const float *mine, size_t count, const uint8_t *const *rows, const float *steps, size_t row_count, float *sums)
+TARGET static void NAME(const float *mine, size_t begin, size_t end, size_t size, const uint8_t *const *rows,
+	const float *steps, size_t row_count, float *sums)
 {
 	enum { PARTS = SUMMED / LANES };
 	const integers magnitude = (integers){0} + INT32_MAX;
 	const lanes last_code = (lanes){0} + 255;
-	const int32_t *mask = some_of_sixteen + SUMMED - count % SUMMED;
+	const size_t tail = end - (end - begin) % SUMMED, from = tail + SUMMED <= size ? tail : size - SUMMED;
+	const int32_t *below_end = some_of_sixteen + SUMMED - (end - from);
+	const int32_t *below_tail = some_of_sixteen + SUMMED - (tail - from);
 	for (size_t i = 0; i < row_count; i++) {
 		lanes sum[PARTS] = {0};
-		size_t n = 0;
-		for (; n + SUMMED <= count; n += SUMMED)
+		for (size_t n = begin; n < tail; n += SUMMED)
 			for (size_t part = 0; part < PARTS; part++)
 				sum[part] += (lanes)((integers)DIFFERENCE(n, part) & magnitude);
-		for (size_t part = 0; n < count && part < PARTS; part++)
-			sum[part] += (lanes)((integers)DIFFERENCE(n, part) & magnitude &
-					     *(const integers *)(mask + part * LANES));
+		for (size_t part = 0; tail < end && part < PARTS; part++)
+			sum[part] += (lanes)((integers)DIFFERENCE(from, part) & magnitude &
+					     *(const integers *)(below_end + part * LANES) &
+					     ~*(const integers *)(below_tail + part * LANES));
 		sums[i] = sum_of_sixteen((const float *)sum);
 	}
 }

@@ -42,11 +42,6 @@ static double threshold(const walk *w)
 	return esk_nearest_threshold(&w->search->answer);
 }
 
-static esk_chunk *chunk_of(const walk *w, uint32_t id)
-{
-	return w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
-}
-
 /* Slots of a chunk. */
 typedef struct {
 	uint32_t chunk, count;
@@ -99,7 +94,8 @@ static void end_step(const walk *w, size_t count)
 static double bound_by_halves(const walk *w, uint32_t id)
 {
 	float bound;
-	esk_bound_by_halves(&w->bound, &chunk_of(w, id)->columns, (uint16_t[]){id % ESK_CHUNK_SLOTS}, 1, &bound);
+	esk_bound_by_halves(&w->bound, &esk_snapshot_chunk(&w->search->snapshot, id)->columns,
+		(uint16_t[]){id % ESK_CHUNK_SLOTS}, 1, &bound);
 	return (double)bound;
 }
 
@@ -176,7 +172,7 @@ static void discard_by_levels(walk *w, uint32_t first, uint32_t last)
 				esk_search_ask_halves(w->search, ahead, last + 1, ESK_SUMMED_LEVELS);
 		}
 		candidate c = w->candidates[n];
-		const esk_chunk *chunk = chunk_of(w, c.id);
+		const esk_chunk *chunk = esk_snapshot_chunk(&w->search->snapshot, c.id);
 		const uint32_t slot = c.id % ESK_CHUNK_SLOTS;
 		c.bound = esk_bound_by_sorting(
 			&w->bound, &chunk->columns, slot, chunk->shapes[slot], first, last, &c.sorted);

@@ -42,11 +42,6 @@ static size_t step_keeps(const walk *w, size_t count)
 	return keep < count ? keep : count;
 }
 
-static esk_chunk *chunk_of(const walk *w, uint32_t id)
-{
-	return w->search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
-}
-
 static uint32_t step_level(const esk_query *query, uint32_t their_levels, uint32_t level)
 {
 	if (level > query->shape->level_count)
@@ -206,7 +201,7 @@ static bool take_first_step(walk *w)
 static size_t take_chunk(const walk *w, size_t begin, uint16_t slots[ESK_CHUNK_SLOTS])
 {
 	const uint32_t first = w->all[begin].id / ESK_CHUNK_SLOTS * ESK_CHUNK_SLOTS;
-	const esk_columns *columns = &chunk_of(w, first)->columns;
+	const esk_columns *columns = &esk_snapshot_chunk(&w->search->snapshot, first)->columns;
 	size_t end = begin;
 	for (; end < w->count && end - begin < ESK_CHUNK_SLOTS && w->all[end].id - first < ESK_CHUNK_SLOTS; end++) {
 		const uint16_t slot = (uint16_t)(w->all[end].id - first);
@@ -220,7 +215,7 @@ static size_t take_chunk(const walk *w, size_t begin, uint16_t slots[ESK_CHUNK_S
 /* D_2 of those from begin on, which lie in one chunk. */
 static void scan_second(walk *w, const uint16_t *slots, size_t begin, uint32_t count)
 {
-	esk_columns *columns = &chunk_of(w, w->all[begin].id)->columns;
+	esk_columns *columns = &esk_snapshot_chunk(&w->search->snapshot, w->all[begin].id)->columns;
 	float lower[ESK_CHUNK_SLOTS];
 	esk_scan_pairs(&w->scans[1], columns, w->search->query.rows[1], slots, count, lower);
 	for (uint32_t i = 0; i < count; i++)

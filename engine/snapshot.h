@@ -79,14 +79,19 @@ static inline uint32_t esk_snapshot_id(uint32_t chunk, uint32_t slot)
 	return chunk * ESK_CHUNK_SLOTS + slot;
 }
 
+static inline esk_chunk *esk_snapshot_chunk(const esk_snapshot *snapshot, uint32_t id)
+{
+	return snapshot->directory->chunks[id / ESK_CHUNK_SLOTS];
+}
+
 static inline const esk_shape *esk_snapshot_shape(const esk_snapshot *snapshot, uint32_t id)
 {
-	return snapshot->directory->chunks[id / ESK_CHUNK_SLOTS]->shapes[id % ESK_CHUNK_SLOTS];
+	return esk_snapshot_chunk(snapshot, id)->shapes[id % ESK_CHUNK_SLOTS];
 }
 
 static inline int64_t esk_snapshot_key(const esk_snapshot *snapshot, uint32_t id)
 {
-	return snapshot->directory->chunks[id / ESK_CHUNK_SLOTS]->keys[id % ESK_CHUNK_SLOTS];
+	return esk_snapshot_chunk(snapshot, id)->keys[id % ESK_CHUNK_SLOTS];
 }
 
 #endif

@@ -8,6 +8,7 @@
 #include "synthetic.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,27 +76,61 @@ static void count_found(const eskel_search_result *found, const eskel_search_res
 			t->same_five += best->neighbours[i].key == found->neighbours[j].key;
 }
 
-static void measure(const eskel_library *library, size_t shapes, int queries, const char *figure,
+static void measure(const eskel_library *library, eskel_signature **queries, int count, const char *figure,
 	const eskel_distance_options *distance)
 {
 	total pruned = {0}, exact = {0};
-	for (int q = 0; q < queries; q++) {
-		eskel_signature *query = make_query(shapes, q);
+	for (int q = 0; q < count; q++) {
 		eskel_search_options options = {.distance = *distance, .mode = ESKEL_SEARCH_EXACT};
-		eskel_search_result *best = search(library, query, &options, &exact);
+		eskel_search_result *best = search(library, queries[q], &options, &exact);
 		options.mode = ESKEL_SEARCH_PRUNED;
-		eskel_search_result *found = search(library, query, &options, &pruned);
+		eskel_search_result *found = search(library, queries[q], &options, &pruned);
 		count_found(found, best, &pruned);
 		eskel_search_result_free(found);
 		eskel_search_result_free(best);
-		eskel_signature_free(query);
 	}
-	measure_print(figure, "eskel exact", exact.spent / queries, "ms");
-	measure_print(figure, "eskel exact", exact.compared / queries, "compared");
-	measure_print(figure, "eskel pruned", pruned.spent / queries, "ms");
-	measure_print(figure, "eskel pruned", pruned.compared / queries, "compared");
-	measure_print(figure, "eskel pruned", 100 * pruned.same_nearest / queries, "% nearest found");
-	measure_print(figure, "eskel pruned", 100 * pruned.same_five / (5 * queries), "% of five found");
+	measure_print(figure, "eskel exact", exact.spent / count, "ms");
+	measure_print(figure, "eskel exact", exact.compared / count, "compared");
+	measure_print(figure, "eskel pruned", pruned.spent / count, "ms");
+	measure_print(figure, "eskel pruned", pruned.compared / count, "compared");
+	measure_print(figure, "eskel pruned", 100 * pruned.same_nearest / count, "% nearest found");
+	measure_print(figure, "eskel pruned", 100 * pruned.same_five / (5 * count), "% of five found");
+}
+
+/* ---- two threads at once */
+
+enum { THREADS = 2 };
+
+typedef struct {
+	const eskel_library *library;
+	const eskel_distance_options *distance;
+	eskel_search_mode mode;
+	eskel_signature **queries;
+	int count;
+} share;
+
+static void *search_all(void *context)
+{
+	const share *s = context;
+	const eskel_search_options options = {.distance = *s->distance, .mode = s->mode};
+	total ignored = {0};
+	for (int q = 0; q < s->count; q++)
+		eskel_search_result_free(search(s->library, s->queries[q], &options, &ignored));
+	return NULL;
+}
+
+/* Prints the time a search takes off the clock while each thread searches for all queries. */
+static void measure_threads(const eskel_library *library, eskel_signature **queries, int count, const char *figure,
+	const eskel_distance_options *distance, eskel_search_mode mode, const char *program)
+{
+	pthread_t threads[THREADS];
+	share all = {library, distance, mode, queries, count};
+	const double start = measure_milliseconds();
+	for (int t = 0; t < THREADS; t++)
+		require(!pthread_create(&threads[t], NULL, search_all, &all), "no thread");
+	for (int t = 0; t < THREADS; t++)
+		pthread_join(threads[t], NULL);
+	measure_print(figure, program, (measure_milliseconds() - start) / (THREADS * count), "ms");
 }
 
 /* ---- as textbooks would */
@@ -136,35 +171,47 @@ static void measure_textbook(const eskel_library *library, rows_of_shape *rows, 
 	measure_print(figure, "textbook in C, exhaustive", spent / TEXTBOOK_QUERIES, "ms");
 }
 
+static const struct {
+	const char *name;
+	eskel_distance_options distance;
+} kinds[] = {
+	{"log-sum", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_SUM}},
+	{"log-level", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
+	{"paper-sum", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_SUM}},
+	{"paper-level", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
+};
+
 int main(int count, char **arguments)
 {
 	const size_t shapes = count > 1 ? strtoull(arguments[1], NULL, 10) : 0;
-	const int queries = count > 2 ? atoi(arguments[2]) : 40;
-	require(shapes >= 10 && queries >= 1, "usage: bench_search SHAPES (at least 10) [QUERIES]");
+	const int query_count = count > 2 ? atoi(arguments[2]) : 40;
+	require(shapes >= 10 && query_count >= 1, "usage: bench_search SHAPES (at least 10) [QUERIES]");
 	rows_of_shape *rows = malloc(shapes * sizeof *rows);
-	require(rows != NULL, "memory ran out");
+	eskel_signature **queries = malloc((size_t)query_count * sizeof *queries);
+	require(rows && queries, "memory ran out");
 	memset(rows, 0, shapes * sizeof *rows); /* so that it is not counted to the library */
+	for (int q = 0; q < query_count; q++)
+		queries[q] = make_query(shapes, q);
 	const double before = measure_peak_megabytes();
 	eskel_library *library = fill(shapes, rows);
 	const double megabytes = measure_peak_megabytes() - before;
-	static const struct {
-		const char *name;
-		eskel_distance_options distance;
-	} kinds[] = {
-		{"log-sum", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_SUM}},
-		{"log-level", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
-		{"paper-sum", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_SUM}},
-		{"paper-level", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
-	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		const eskel_distance_options *distance = &kinds[i].distance;
 		char figure[64];
 		snprintf(figure, sizeof figure, "search-%s/shapes=%zu", kinds[i].name, shapes);
-		measure(library, shapes, queries, figure, &kinds[i].distance);
+		measure(library, queries, query_count, figure, distance);
 		measure_print(figure, "eskel exact", megabytes, "MB");
+		measure_threads(
+			library, queries, query_count, figure, distance, ESKEL_SEARCH_EXACT, "eskel exact, 2 threads");
+		measure_threads(library, queries, query_count, figure, distance, ESKEL_SEARCH_PRUNED,
+			"eskel pruned, 2 threads");
 		if (!strcmp(kinds[i].name, "paper-level"))
-			measure_textbook(library, rows, shapes, figure, &kinds[i].distance);
+			measure_textbook(library, rows, shapes, figure, distance);
 	}
 	eskel_library_free(library);
+	for (int q = 0; q < query_count; q++)
+		eskel_signature_free(queries[q]);
+	free(queries);
 	free(rows);
 	return 0;
 }

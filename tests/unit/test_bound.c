@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "bound.h"
+#include "shelf.h"
 #include "synthetic.h"
 
 #include <math.h>
@@ -17,28 +18,6 @@ static eskel_distance_options combination(int n)
 		.distance = n & 2 ? ESKEL_DISTANCE_LEVEL : ESKEL_DISTANCE_SUM,
 		.metric = n & 4 ? ESKEL_METRIC_EUCLIDEAN : ESKEL_METRIC_MANHATTAN,
 		.size = n & 8 ? ESKEL_SIZE_FREE : ESKEL_SIZE_FIXED};
-}
-
-/* Shapes in the columns that a search would read. */
-typedef struct {
-	esk_shape *shapes[shapes];
-	esk_columns columns;
-	esk_arena arena;
-} shelf;
-
-static void put(shelf *s, uint32_t slot, eskel_signature *signature)
-{
-	assert_int_equal(esk_shape_new(signature, &s->shapes[slot]), ESKEL_OK);
-	esk_columns_put(&s->columns, slot, s->shapes[slot]);
-	eskel_signature_free(signature);
-}
-
-static void clear(shelf *s)
-{
-	for (int n = 0; n < shapes; n++)
-		esk_shape_release(s->shapes[n]);
-	esk_columns_clear(&s->columns);
-	esk_arena_clear(&s->arena);
 }
 
 static void assert_no_more(double bound, double distance, const char *name, int options, uint32_t a, uint32_t b)
@@ -98,16 +77,16 @@ static double check_pairs(shelf *s, int options)
 static void bounds_of_unlike_shapes_are_never_above_the_distance(void **state)
 {
 	(void)state;
-	shelf s = {0};
-	assert_int_equal(esk_columns_init(&s.columns, shapes, &s.arena), ESKEL_OK);
+	shelf s;
+	shelf_init(&s, shapes);
 	for (uint32_t n = 0; n < shapes; n++)
-		put(&s, n, synthetic_signature(n % 12, n, 0.2, n % 3 ? 16 : 1 + n % 20));
+		shelf_put(&s, synthetic_signature(n % 12, n, 0.2, n % 3 ? 16 : 1 + n % 20));
 	for (int o = 0; o < combinations; o++) {
 		double tightness = check_pairs(&s, o);
 		if (tightness < 0.5)
 			fail_msg("options %d: bounds are %g of the distances", o, tightness);
 	}
-	clear(&s);
+	shelf_clear(&s);
 }
 
 /* Lengths that grow in steps about as small as the rounding of a feature: all differences have one sign, so a bound would
@@ -115,19 +94,19 @@ static void bounds_of_unlike_shapes_are_never_above_the_distance(void **state)
 static void bounds_of_nearly_equal_shapes_are_never_above_the_distance(void **state)
 {
 	(void)state;
-	shelf s = {0};
-	assert_int_equal(esk_columns_init(&s.columns, shapes, &s.arena), ESKEL_OK);
+	shelf s;
+	shelf_init(&s, shapes);
 	for (uint32_t n = 0; n < shapes; n++) {
 		eskel_signature *signature = synthetic_signature(2, 1, 0, 16);
 		for (size_t row = 0; row < ESKEL_NODES(16); row++)
 			for (int i = 0; i < ESKEL_SIGNATURE_NUMBERS; i++)
 				signature->rows[row][i] *= 1 + 3e-8 * n;
 		signature->volume *= 1 + 1e-7 * (n % 5);
-		put(&s, n, signature);
+		shelf_put(&s, signature);
 	}
 	for (int o = 0; o < combinations; o++)
 		check_pairs(&s, o);
-	clear(&s);
+	shelf_clear(&s);
 }
 
 int main(void)

@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "scan.h"
+#include "shelf.h"
 #include "synthetic.h"
 
 #include <math.h>
@@ -20,31 +21,15 @@ static eskel_distance_options combination(int n)
 		.size = n & 4 ? ESKEL_SIZE_FREE : ESKEL_SIZE_FIXED};
 }
 
-typedef struct {
-	esk_shape *shapes[shapes];
-	esk_columns columns;
-	esk_arena arena;
-} shelf;
-
 static void fill(shelf *s)
 {
-	assert_int_equal(esk_columns_init(&s->columns, shapes, &s->arena), ESKEL_OK);
+	shelf_init(s, shapes);
 	for (uint32_t n = 0; n < shapes; n++) {
 		eskel_signature *signature = synthetic_signature(n % 9, n, 0.2, 2 + n % 3);
 		if (n == 5) /* longer than codes can say */
 			signature->rows[1][0] = 1e5;
-		assert_int_equal(esk_shape_new(signature, &s->shapes[n]), ESKEL_OK);
-		esk_columns_put(&s->columns, n, s->shapes[n]);
-		eskel_signature_free(signature);
+		shelf_put(s, signature);
 	}
-}
-
-static void clear(shelf *s)
-{
-	for (int n = 0; n < shapes; n++)
-		esk_shape_release(s->shapes[n]);
-	esk_columns_clear(&s->columns);
-	esk_arena_clear(&s->arena);
 }
 
 static void assert_between(
@@ -84,24 +69,24 @@ static void check(const shelf *s, int options, const esk_shape *mine)
 static void distances_of_levels_1_and_2_lie_within_the_width_of_a_scan(void **state)
 {
 	(void)state;
-	shelf s = {0};
+	shelf s;
 	fill(&s);
 	for (int o = 0; o < combinations; o++)
 		for (uint32_t n = 0; n < shapes; n++)
 			if (n != 5)
 				check(&s, o, s.shapes[n]);
-	clear(&s);
+	shelf_clear(&s);
 }
 
 static void only_a_shape_beyond_the_codes_is_odd(void **state)
 {
 	(void)state;
-	shelf s = {0};
+	shelf s;
 	fill(&s);
 	for (uint32_t n = 0; n < shapes; n++)
 		assert_int_equal(s.columns.odd[n], n == 5);
 	assert_false(esk_columns_are_plain(&s.columns, 1));
-	clear(&s);
+	shelf_clear(&s);
 }
 
 int main(void)
