@@ -18,7 +18,7 @@
 
 #include <stdatomic.h>
 
-enum { ESK_HALVES_MAX = 2 * ESK_NUMBERS_MAX };
+enum { ESK_HALVES_MAX = 2 * ESK_NUMBERS_MAX, ESK_COLUMNS_HALVES = ESK_SUMMED_LEVELS * ESK_HALVES_MAX };
 
 typedef struct {
 	float origin, step, top; /* top: what the last code stands for */
@@ -40,9 +40,25 @@ typedef struct {
 	uint8_t *odd; /* not 0: a number of its columns or of its row of level 2 has no code */
 } esk_columns;
 
+/* What a slot holds of a shape, made apart from the columns. */
+typedef struct {
+	uint16_t first_level[ESK_NUMBERS_MAX];
+	uint16_t total_halves[ESK_HALVES_MAX];
+	uint16_t second_level[ESK_HALVES_MAX];
+	uint8_t halves[ESK_COLUMNS_HALVES];
+	uint8_t slack;
+} esk_kind_codes;
+
+typedef struct {
+	float log_volume, scale;
+	uint8_t level_count, odd;
+	esk_kind_codes kinds[2];
+} esk_shape_codes;
+
 eskel_status esk_columns_init(esk_columns *columns, uint32_t capacity, esk_arena *arena);
 void esk_columns_clear(esk_columns *columns);
-void esk_columns_put(esk_columns *columns, uint32_t slot, const esk_shape *shape);
+void esk_columns_encode(const esk_shape *shape, esk_shape_codes *codes);
+void esk_columns_put(esk_columns *columns, uint32_t slot, const esk_shape_codes *codes);
 
 static inline const uint8_t *esk_columns_halves(const esk_columns *columns, uint32_t slot, eskel_signature_kind kind)
 {

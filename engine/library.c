@@ -117,7 +117,9 @@ static void put(esk_chunk *chunk, int64_t key, esk_shape *shape)
 	const uint32_t ascending = atomic_load_explicit(&chunk->ascending, memory_order_relaxed);
 	if (ascending == chunk->count && (ascending == 0 || chunk->keys[ascending - 1] < key))
 		atomic_store_explicit(&chunk->ascending, ascending + 1, memory_order_relaxed);
-	esk_columns_put(&chunk->columns, chunk->count, shape);
+	esk_shape_codes codes;
+	esk_columns_encode(shape, &codes);
+	esk_columns_put(&chunk->columns, chunk->count, &codes);
 	chunk->shapes[chunk->count] = shape;
 	chunk->keys[chunk->count++] = key;
 }

@@ -26,15 +26,6 @@ static uint32_t half_byte(const uint8_t *ranks, size_t n)
 	return (uint32_t)ranks[n / 2] >> 4 * (n % 2) & 15;
 }
 
-/* The bytes are zero before. */
-static void put_rank(uint8_t *ranks, size_t n, uint32_t rank)
-{
-	if (n < HALF_BYTES)
-		ranks[n / 2] = (uint8_t)(ranks[n / 2] | rank << 4 * (n % 2));
-	else
-		ranks[n - HALF_BYTES / 2] = (uint8_t)rank;
-}
-
 /* On the way to every matching, so the kind of rank is found outside the loop. */
 void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorted, uint32_t row_count, float *rows)
 {
@@ -46,37 +37,69 @@ void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorte
 			rows[i] = sorted[halves ? half_byte(ranks, n) : ranks[n - HALF_BYTES / 2]];
 }
 
-/* Sorts one row and notes where each class went: a class's rank is how many go before it; of equal numbers the lower class
- * goes first. Counting compares every pair, but without a branch. */
-static inline __attribute__((always_inline)) void put_row(
-	float *row, uint8_t *ranks, size_t first, const float *numbers, size_t k)
+/* A level on its way to be sorted. What lies beyond its classes is compared with them and goes nowhere. */
+enum { COMPARED = 16 };
+typedef struct {
+	float numbers[ESK_NUMBERS_MAX][ESKEL_LEVELS_MAX];
+	int32_t less[ESK_NUMBERS_MAX][ESKEL_LEVELS_MAX]; /* so many are less */
+} unsorted_level;
+
+/* Compares every pair, but without a branch. */
+static inline __attribute__((always_inline)) void count_less(unsorted_level *level, size_t k)
 {
-	uint32_t rank_of[ESKEL_LEVELS_MAX] = {0};
-	for (size_t j = 0; j < k; j++) {
-		const float number = numbers[j];
-		for (size_t i = 0; i < j; i++)
-			rank_of[i] += number < numbers[i];
-		for (size_t i = j; i < k; i++)
-			rank_of[i] += number <= numbers[i];
-	}
-	for (size_t i = 0; i < k; i++) {
-		row[rank_of[i] - 1] = numbers[i];
-		put_rank(ranks, first + i, rank_of[i] - 1);
+	for (size_t begin = 0; begin < k; begin += COMPARED)
+#pragma omp simd
+		for (size_t l = begin; l < begin + COMPARED; l++) {
+			int32_t less[ESK_NUMBERS_MAX] = {0};
+			for (size_t j = 0; j < k; j++)
+				for (size_t c = 0; c < ESK_NUMBERS_MAX; c++)
+					less[c] += level->numbers[c][j] < level->numbers[c][l];
+			for (size_t c = 0; c < ESK_NUMBERS_MAX; c++)
+				level->less[c][l] = less[c];
+		}
+}
+
+/* The five rows of a level, from its classes' features one after the other. A class's rank is how many go before it; of
+ * equal numbers the lower class goes first. */
+static inline __attribute__((always_inline)) void put_level(
+	unsorted_level *level, const float *features, size_t k, float *sorted, uint8_t *ranks)
+{
+	uint8_t equal[ESK_NUMBERS_MAX][ESKEL_LEVELS_MAX] = {{0}}; /* so many of them have been put */
+	for (size_t i = 0; i < k; i++)
+		for (size_t c = 0; c < ESK_NUMBERS_MAX; c++)
+			level->numbers[c][i] = features[i * ESK_NUMBERS_MAX + c];
+	count_less(level, k);
+	for (size_t i = 0; i < k; i++)
+		for (size_t c = 0; c < ESK_NUMBERS_MAX; c++) {
+			const size_t less = (size_t)level->less[c][i], rank = less + equal[c][less]++;
+			sorted[c * k + rank] = level->numbers[c][i];
+			ranks[c * k + i] = (uint8_t)rank;
+		}
+}
+
+/* All numbers of a signature in its own order, eight classes at a time for whole vectors of any width. */
+static inline __attribute__((always_inline)) void take_logarithms(
+	const double *numbers, size_t count, double unit, float *features)
+{
+	enum { BLOCK = 8 * ESK_NUMBERS_MAX };
+	double divisors[BLOCK];
+	for (size_t i = 0; i < BLOCK; i++)
+		divisors[i] = i % ESK_NUMBERS_MAX < ESK_PAPER_NUMBERS ? unit : 1;
+	for (size_t n = 0; n < count; n += BLOCK) {
+		const size_t size = count - n < BLOCK ? count - n : BLOCK;
+		for (size_t i = 0; i < size; i++)
+			features[n + i] = (float)esk_elementary_log(numbers[n + i] / divisors[i] + ESK_SHAPE_OFFSET);
 	}
 }
 
-static inline __attribute__((always_inline)) void put_level(
-	esk_shape *shape, uint8_t *ranks, const eskel_signature *signature, double unit, uint32_t k)
+static inline __attribute__((always_inline)) void pack_ranks(const uint8_t *ranks, size_t count, uint8_t *packed)
 {
-	double(*rows)[ESKEL_SIGNATURE_NUMBERS] = signature->rows + ESKEL_NODES(k - 1);
-	size_t at = ESK_NUMBERS_MAX * ESKEL_NODES(k - 1);
-	for (size_t c = 0; c < ESK_NUMBERS_MAX; c++, at += k) {
-		const double divisor = c < ESK_PAPER_NUMBERS ? unit : 1;
-		float numbers[ESKEL_LEVELS_MAX];
-		for (size_t i = 0; i < k; i++)
-			numbers[i] = (float)esk_elementary_log(rows[i][c] / divisor + ESK_SHAPE_OFFSET);
-		put_row(shape->numbers + at, ranks, at, numbers, k);
-	}
+	const size_t halves = count < HALF_BYTES ? count : HALF_BYTES;
+	for (size_t n = 0; n < halves / 2; n++)
+		packed[n] = (uint8_t)(ranks[2 * n] | ranks[2 * n + 1] << 4);
+	if (halves % 2)
+		packed[halves / 2] = ranks[halves - 1];
+	memcpy(packed + HALF_BYTES / 2, ranks + halves, count - halves);
 }
 
 size_t esk_shape_size(uint32_t level_count)
@@ -89,13 +112,18 @@ ESK_EVERY_WIDTH void esk_shape_write(const eskel_signature *signature, esk_shape
 {
 	const double unit = esk_elementary_cbrt(signature->volume);
 	const size_t numbers = ESK_NUMBERS_MAX * ESKEL_NODES(signature->level_count);
-	uint8_t *ranks = (uint8_t *)(shape->numbers + numbers);
-	memset(ranks, 0, rank_bytes(numbers));
+	float features[ESK_NUMBERS_MAX * ESKEL_NODES(ESKEL_LEVELS_MAX)];
+	uint8_t ranks[ESK_NUMBERS_MAX * ESKEL_NODES(ESKEL_LEVELS_MAX)];
+	unsorted_level level = {0};
 	shape->level_count = signature->level_count;
 	shape->log_volume = (float)esk_elementary_log(signature->volume);
 	shape->scale = (float)unit;
-	for (uint32_t k = 1; k <= signature->level_count; k++)
-		put_level(shape, ranks, signature, unit, k);
+	take_logarithms(signature->rows[0], numbers, unit, features);
+	for (size_t k = 1; k <= signature->level_count; k++) {
+		const size_t at = ESK_NUMBERS_MAX * ESKEL_NODES(k - 1);
+		put_level(&level, features + at, k, shape->numbers + at, ranks + at);
+	}
+	pack_ranks(ranks, numbers, (uint8_t *)(shape->numbers + numbers));
 }
 
 eskel_status esk_shape_new(const eskel_signature *signature, esk_shape **shape)
@@ -116,28 +144,47 @@ void esk_shape_release(esk_shape *shape)
 	free(shape);
 }
 
-void esk_shape_lengths(const float *features, size_t count, float unit, float *lengths)
+ESK_EVERY_WIDTH void esk_shape_lengths(const float *features, size_t count, float unit, float *lengths)
 {
 	for (size_t n = 0; n < count; n++)
 		lengths[n] = esk_shape_length(features[n]) * unit;
+}
+
+static inline __attribute__((always_inline)) void sum_halves(
+	const float *rows, size_t numbers, size_t level, double *sums)
+{
+	double lower[ESK_NUMBERS_MAX], upper[ESK_NUMBERS_MAX];
+	for (size_t c = 0; c < numbers; c++)
+		lower[c] = upper[c] = level % 2 ? (double)rows[c * level + level / 2] / 2 : 0;
+	for (size_t i = 0; i < level / 2; i++)
+		for (size_t c = 0; c < numbers; c++) {
+			lower[c] += (double)rows[c * level + i];
+			upper[c] += (double)rows[c * level + level - 1 - i];
+		}
+	for (size_t c = 0; c < numbers; c++) {
+		sums[2 * c] = lower[c];
+		sums[2 * c + 1] = upper[c];
+	}
+}
+
+void esk_shape_half_sums(const float *rows, eskel_signature_kind kind, uint32_t level, double *sums)
+{
+	if (kind == ESKEL_SIGNATURE_PAPER)
+		sum_halves(rows, ESK_PAPER_NUMBERS, level, sums);
+	else
+		sum_halves(rows, ESK_NUMBERS_MAX, level, sums);
 }
 
 void esk_shape_halves(const esk_shape *shape, eskel_signature_kind kind, uint32_t level, float *halves)
 {
 	const float *rows = esk_shape_sorted(shape, level);
 	float lengths[ESK_PAPER_NUMBERS * ESKEL_LEVELS_MAX];
+	double sums[2 * ESK_NUMBERS_MAX];
 	if (kind == ESKEL_SIGNATURE_PAPER) {
 		esk_shape_lengths(rows, (size_t)ESK_PAPER_NUMBERS * level, 1, lengths);
 		rows = lengths;
 	}
-	for (uint32_t c = 0; c < esk_numbers(kind); c++, rows += level) {
-		const double middle = level % 2 ? (double)rows[level / 2] / 2 : 0;
-		double lower = middle, upper = middle;
-		for (uint32_t i = 0; i < level / 2; i++) {
-			lower += (double)rows[i];
-			upper += (double)rows[level - 1 - i];
-		}
-		*halves++ = (float)(lower / level);
-		*halves++ = (float)(upper / level);
-	}
+	esk_shape_half_sums(rows, kind, level, sums);
+	for (uint32_t h = 0; h < 2 * esk_numbers(kind); h++)
+		halves[h] = (float)(sums[h] / level);
 }

@@ -73,5 +73,7 @@ void esk_shape_lengths(const float *features, size_t count, float unit, float *l
 /* The halves of a level: for each size-free number of its k classes, in ascending order, the sum of the lower half of them and
  * the sum of the upper half, both divided by k; of an odd number the middle one counts half in each. */
 void esk_shape_halves(const esk_shape *shape, eskel_signature_kind kind, uint32_t level, float *halves);
+/* Before they are divided, of the sorted rows of a level. */
+void esk_shape_half_sums(const float *rows, eskel_signature_kind kind, uint32_t level, double *sums);
 
 #endif

@@ -20,7 +20,9 @@ void shelf_init(shelf *s, uint32_t room)
 void shelf_put(shelf *s, eskel_signature *signature)
 {
 	require(esk_shape_new(signature, &s->shapes[s->count]));
-	esk_columns_put(&s->columns, s->count, s->shapes[s->count]);
+	esk_shape_codes codes;
+	esk_columns_encode(s->shapes[s->count], &codes);
+	esk_columns_put(&s->columns, s->count, &codes);
 	s->count++;
 	eskel_signature_free(signature);
 }
