@@ -12,7 +12,7 @@ typedef struct esk_piece esk_piece;
 
 /* All zero is an empty arena. */
 typedef struct {
-	esk_piece *current; /* the one being filled */
+	esk_piece *filled[2]; /* the older first: what is too large for its rest goes into the other */
 } esk_arena;
 
 /* Aligned to cache lines, not zeroed; NULL when memory ran out or for more than a piece. */

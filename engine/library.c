@@ -1,8 +1,9 @@
-/* The library's writer: adds, removes and tidies up while readers search snapshots (snapshot.h).
+/* The library's writers: they add, remove and tidy up while readers search snapshots (snapshot.h).
  *
- * Two locks. One keeps writers apart for the whole of a change. The other, the gate, guards the current snapshot and
- * is held only to copy or replace it, so readers do not wait for a writer's work. A change is prepared where no reader
- * looks (free slots, new chunks, a new directory) and becomes visible when the snapshot is replaced. */
+ * Two locks. One keeps changes apart. A shape and its codes, nearly all the work of an addition, are prepared without it:
+ * several threads add side by side. The other, the gate, guards the current snapshot and is held only to copy or replace
+ * it, so readers do not wait for a change. A change is made where no reader looks (free slots, new chunks, a new
+ * directory) and becomes visible when the snapshot is replaced. */
 #include "library.h"
 
 #include "key_index.h"
@@ -112,39 +113,48 @@ static eskel_status make_room(eskel_library *library)
 	return ESKEL_OK;
 }
 
-static void put(esk_chunk *chunk, int64_t key, esk_shape *shape)
+static void put(esk_chunk *chunk, int64_t key, esk_shape *shape, const esk_shape_codes *codes)
 {
 	const uint32_t ascending = atomic_load_explicit(&chunk->ascending, memory_order_relaxed);
 	if (ascending == chunk->count && (ascending == 0 || chunk->keys[ascending - 1] < key))
 		atomic_store_explicit(&chunk->ascending, ascending + 1, memory_order_relaxed);
-	esk_shape_codes codes;
-	esk_columns_encode(shape, &codes);
-	esk_columns_put(&chunk->columns, chunk->count, &codes);
+	esk_columns_put(&chunk->columns, chunk->count, codes);
 	chunk->shapes[chunk->count] = shape;
 	chunk->keys[chunk->count++] = key;
 }
 
-static eskel_status add(eskel_library *library, int64_t key, const eskel_signature *signature)
+static bool has(const eskel_library *library, int64_t key)
 {
-	eskel_status status = esk_signature_check(signature, NULL);
-	if (status != ESKEL_OK)
-		return status;
-	if (esk_key_index_find(&library->index, key))
+	uint32_t id;
+	return esk_key_index_find(&library->index, library->current.directory, key, &id);
+}
+
+/* Memory for a shape that is to be added; a key that is there already is refused before the work. */
+static eskel_status begin_add(eskel_library *library, int64_t key, size_t size, esk_shape **shape)
+{
+	eskel_status status = ESKEL_OK;
+	pthread_mutex_lock(&library->writing);
+	if (has(library, key))
+		status = ESKEL_INVALID;
+	else if (!(*shape = esk_arena_take(&library->arena, size)))
+		status = ESKEL_NO_MEMORY;
+	pthread_mutex_unlock(&library->writing);
+	return status;
+}
+
+static eskel_status add(eskel_library *library, int64_t key, esk_shape *shape, const esk_shape_codes *codes)
+{
+	if (has(library, key))
 		return ESKEL_INVALID;
-	if (!esk_key_index_reserve(&library->index))
+	if (!esk_key_index_reserve(&library->index, library->current.directory))
 		return ESKEL_NO_MEMORY;
-	status = make_room(library);
+	eskel_status status = make_room(library);
 	if (status != ESKEL_OK)
 		return status;
-	esk_shape *shape = esk_arena_take(&library->arena, esk_shape_size(signature->level_count));
-	if (!shape)
-		return ESKEL_NO_MEMORY;
-	esk_shape_write(signature, shape);
 	esk_chunk *chunk = last_chunk(library);
-	const uint32_t slot = chunk->count;
-	put(chunk, key, shape);
-	esk_key_index_insert(&library->index, (esk_key_place){key, chunk, slot});
 	esk_snapshot snapshot = library->current;
+	esk_key_index_insert(&library->index, key, esk_snapshot_id(snapshot.directory->chunk_count - 1, chunk->count));
+	put(chunk, key, shape, codes);
 	snapshot.last_count = chunk->count;
 	snapshot.shape_count++;
 	publish(library, snapshot);
@@ -153,33 +163,50 @@ static eskel_status add(eskel_library *library, int64_t key, const eskel_signatu
 
 eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_signature *signature)
 {
+	esk_shape *shape = NULL;
+	esk_shape_codes codes;
+	eskel_status status = esk_signature_check(signature, NULL);
+	if (status == ESKEL_OK)
+		status = begin_add(library, key, esk_shape_size(signature->level_count), &shape);
+	if (status != ESKEL_OK)
+		return status;
+	esk_shape_write(signature, shape);
+	esk_columns_encode(shape, &codes);
 	pthread_mutex_lock(&library->writing);
-	eskel_status status = add(library, key, signature);
+	status = add(library, key, shape, &codes);
 	pthread_mutex_unlock(&library->writing);
+	if (status != ESKEL_OK)
+		esk_arena_give_back(shape);
 	return status;
 }
 
-/* The shapes that are left, in a chunk that has no room for others and does not keep the arena's older pieces; NULL if
- * none is left. */
-static eskel_status copy_survivors(const esk_chunk *chunk, esk_arena *arena, esk_chunk **copy)
+static bool is_removed(esk_chunk *chunk, uint32_t slot)
+{
+	return atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) != ESK_NEVER;
+}
+
+static eskel_status copy_shape(esk_chunk *chunk, uint32_t slot, esk_arena *arena, esk_chunk *copy)
+{
+	const esk_shape *shape = chunk->shapes[slot];
+	const size_t size = esk_shape_size(shape->level_count);
+	esk_shape_codes codes;
+	esk_shape *copied = esk_arena_take(arena, size);
+	if (!copied)
+		return ESKEL_NO_MEMORY;
+	esk_columns_encode(shape, &codes);
+	put(copy, chunk->keys[slot], memcpy(copied, shape, size), &codes);
+	return ESKEL_OK;
+}
+
+/* The shapes that are left, in a chunk that has no room for others and does not keep the arena's older pieces. */
+static eskel_status copy_survivors(esk_chunk *chunk, esk_arena *arena, esk_chunk **copy)
 {
 	const uint32_t removed = atomic_load_explicit(&chunk->removed_count, memory_order_relaxed);
 	esk_chunk *made = NULL;
-	if (removed == chunk->count) {
-		*copy = NULL;
-		return ESKEL_OK;
-	}
 	eskel_status status = esk_chunk_new(chunk->count - removed, arena, &made);
-	for (uint32_t slot = 0; status == ESKEL_OK && slot < chunk->count; slot++) {
-		if (atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) != ESK_NEVER)
-			continue;
-		const size_t size = esk_shape_size(chunk->shapes[slot]->level_count);
-		esk_shape *shape = esk_arena_take(arena, size);
-		if (shape)
-			put(made, chunk->keys[slot], memcpy(shape, chunk->shapes[slot], size));
-		else
-			status = ESKEL_NO_MEMORY;
-	}
+	for (uint32_t slot = 0; status == ESKEL_OK && slot < chunk->count; slot++)
+		if (!is_removed(chunk, slot))
+			status = copy_shape(chunk, slot, arena, made);
 	if (status != ESKEL_OK) {
 		esk_chunk_free(made);
 		return status;
@@ -188,64 +215,96 @@ static eskel_status copy_survivors(const esk_chunk *chunk, esk_arena *arena, esk
 	return ESKEL_OK;
 }
 
-/* A directory with copy in place of chunk, or without it when copy is NULL. */
-static eskel_status replace_chunk(
-	const esk_directory *old, const esk_chunk *chunk, esk_chunk *copy, esk_directory **directory)
+static void publish_directory(eskel_library *library, esk_directory *directory)
 {
-	eskel_status status = esk_directory_new(copy ? old->chunk_count : old->chunk_count - 1, directory);
-	if (status != ESKEL_OK)
-		return status;
-	uint32_t next = 0;
-	for (uint32_t c = 0; c < old->chunk_count; c++)
-		if (old->chunks[c] != chunk)
-			esk_directory_set(*directory, next++, old->chunks[c]);
-		else if (copy)
-			esk_directory_set(*directory, next++, copy);
-	return ESKEL_OK;
-}
-
-/* Copies what is left of a full chunk once half of it is removed: removals then cost a constant number of copies each,
- * and at most half of the memory is dead. When memory runs out the chunk stays as it is, until its next removal. */
-static void compact(eskel_library *library, esk_chunk *chunk)
-{
-	esk_chunk *copy = NULL;
-	esk_directory *directory = NULL;
-	if (chunk->count < chunk->capacity ||
-		2 * atomic_load_explicit(&chunk->removed_count, memory_order_relaxed) < chunk->count)
-		return;
-	if (copy_survivors(chunk, &library->arena, &copy) != ESKEL_OK)
-		return;
-	if (replace_chunk(library->current.directory, chunk, copy, &directory) != ESKEL_OK) {
-		esk_chunk_free(copy);
-		return;
-	}
-	for (uint32_t slot = 0; copy && slot < copy->count; slot++) {
-		esk_key_place *place = esk_key_index_find(&library->index, copy->keys[slot]);
-		place->chunk = copy;
-		place->slot = slot;
-	}
 	esk_snapshot snapshot = library->current;
-	snapshot.directory = directory;
 	const uint32_t chunks = directory->chunk_count;
+	snapshot.directory = directory;
 	snapshot.last_count = chunks ? directory->chunks[chunks - 1]->count : 0;
 	publish(library, snapshot);
 }
 
+static void shrink_chunk(eskel_library *library, uint32_t index)
+{
+	const esk_directory *old = library->current.directory;
+	esk_chunk *chunk = old->chunks[index], *copy = NULL;
+	esk_directory *directory = NULL;
+	if (copy_survivors(chunk, &library->arena, &copy) != ESKEL_OK)
+		return;
+	if (esk_directory_new(old->chunk_count, &directory) != ESKEL_OK) {
+		esk_chunk_free(copy);
+		return;
+	}
+	for (uint32_t c = 0; c < old->chunk_count; c++)
+		esk_directory_set(directory, c, c == index ? copy : old->chunks[c]);
+	for (uint32_t slot = 0, next = 0; slot < chunk->count; slot++)
+		if (!is_removed(chunk, slot))
+			esk_key_index_move(&library->index, chunk->keys[slot], esk_snapshot_id(index, slot),
+				esk_snapshot_id(index, next++));
+	publish_directory(library, directory);
+}
+
+/* Where the chunk at c was before the one at index was left out. The last full one fills the gap, so that few shapes get
+ * another number, and the last, which may still grow, stays the last. */
+static uint32_t place_before(uint32_t chunk_count, uint32_t index, uint32_t c)
+{
+	if (c == chunk_count - 2)
+		return index == chunk_count - 1 ? c : c + 1;
+	return c == index ? chunk_count - 2 : c;
+}
+
+static void leave_out_chunk(eskel_library *library, uint32_t index)
+{
+	const esk_directory *old = library->current.directory;
+	esk_directory *directory = NULL;
+	if (esk_directory_new(old->chunk_count - 1, &directory) != ESKEL_OK)
+		return;
+	for (uint32_t c = 0; c < directory->chunk_count; c++) {
+		const uint32_t before = place_before(old->chunk_count, index, c);
+		esk_chunk *chunk = old->chunks[before];
+		esk_directory_set(directory, c, chunk);
+		for (uint32_t slot = 0; before != c && slot < chunk->count; slot++)
+			if (!is_removed(chunk, slot))
+				esk_key_index_move(&library->index, chunk->keys[slot], esk_snapshot_id(before, slot),
+					esk_snapshot_id(c, slot));
+	}
+	publish_directory(library, directory);
+}
+
+/* Copies what is left of a full chunk once half of it is removed: removals then cost a constant number of copies each,
+ * and at most half of the memory is dead. When memory runs out the chunk stays as it is, until its next removal. */
+static void compact(eskel_library *library, uint32_t index)
+{
+	esk_chunk *chunk = library->current.directory->chunks[index];
+	const uint32_t removed = atomic_load_explicit(&chunk->removed_count, memory_order_relaxed);
+	if (chunk->count < chunk->capacity)
+		return;
+	if (removed == chunk->count)
+		leave_out_chunk(library, index);
+	else if (2 * removed >= chunk->count)
+		shrink_chunk(library, index);
+}
+
+static void remove_shape(eskel_library *library, int64_t key, uint32_t id)
+{
+	esk_snapshot snapshot = library->current;
+	esk_chunk *chunk = snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
+	snapshot.moment++;
+	snapshot.shape_count--;
+	atomic_store_explicit(&chunk->removed_at[id % ESK_CHUNK_SLOTS], snapshot.moment, memory_order_relaxed);
+	atomic_fetch_add_explicit(&chunk->removed_count, 1, memory_order_relaxed);
+	publish(library, snapshot);
+	esk_key_index_remove(&library->index, snapshot.directory, key, id);
+	compact(library, id / ESK_CHUNK_SLOTS);
+}
+
 eskel_status eskel_library_remove(eskel_library *library, int64_t key)
 {
+	uint32_t id;
 	pthread_mutex_lock(&library->writing);
-	esk_key_place *place = esk_key_index_find(&library->index, key);
-	if (place) {
-		esk_chunk *chunk = place->chunk;
-		esk_snapshot snapshot = library->current;
-		snapshot.moment++;
-		snapshot.shape_count--;
-		atomic_store_explicit(&chunk->removed_at[place->slot], snapshot.moment, memory_order_relaxed);
-		atomic_fetch_add_explicit(&chunk->removed_count, 1, memory_order_relaxed);
-		publish(library, snapshot);
-		esk_key_index_remove(&library->index, place);
-		compact(library, chunk);
-	}
+	const bool found = esk_key_index_find(&library->index, library->current.directory, key, &id);
+	if (found)
+		remove_shape(library, key, id);
 	pthread_mutex_unlock(&library->writing);
-	return place ? ESKEL_OK : ESKEL_NOT_FOUND;
+	return found ? ESKEL_OK : ESKEL_NOT_FOUND;
 }

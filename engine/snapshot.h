@@ -60,6 +60,11 @@ eskel_status esk_directory_new(uint32_t chunk_count, esk_directory **directory);
 void esk_directory_set(esk_directory *directory, uint32_t index, esk_chunk *chunk);
 void esk_directory_release(esk_directory *directory);
 
+static inline int64_t esk_directory_key(const esk_directory *directory, uint32_t id)
+{
+	return directory->chunks[id / ESK_CHUNK_SLOTS]->keys[id % ESK_CHUNK_SLOTS];
+}
+
 static inline uint32_t esk_snapshot_slots(const esk_snapshot *snapshot, uint32_t chunk)
 {
 	bool last = chunk == snapshot->directory->chunk_count - 1;
@@ -73,7 +78,7 @@ void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk, uint64_t
 void esk_chunk_find(
 	esk_chunk *chunk, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t slots[ESK_CHUNK_WORDS]);
 
-/* A shape's number within the snapshot. */
+/* A shape's number within the snapshot; within its directory, too. */
 static inline uint32_t esk_snapshot_id(uint32_t chunk, uint32_t slot)
 {
 	return chunk * ESK_CHUNK_SLOTS + slot;
@@ -91,7 +96,7 @@ static inline const esk_shape *esk_snapshot_shape(const esk_snapshot *snapshot, 
 
 static inline int64_t esk_snapshot_key(const esk_snapshot *snapshot, uint32_t id)
 {
-	return esk_snapshot_chunk(snapshot, id)->keys[id % ESK_CHUNK_SLOTS];
+	return esk_directory_key(snapshot->directory, id);
 }
 
 #endif

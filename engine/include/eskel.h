@@ -302,8 +302,8 @@ ESKEL_API eskel_status eskel_match_level(const eskel_signature *a, const eskel_s
 
 /* ---------------------------------------------------------------------------------------------- library */
 
-/* Signatures of many shapes, searched coarse to fine (section 5.3). Any number of threads may search while one at
- * a time adds or removes; readers never wait for writers, and see the library as it was when they began. */
+/* Signatures of many shapes, searched coarse to fine (section 5.3). Any number of threads may search, add and remove at
+ * once; readers never wait for writers, and see the library as it was when they began. */
 typedef struct eskel_library eskel_library;
 
 ESKEL_API eskel_status eskel_library_new(eskel_library **library);

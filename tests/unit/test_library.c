@@ -153,6 +153,40 @@ static void removals_give_memory_back(void **state)
 	eskel_library_free(library);
 }
 
+/* Whole chunks disappear from the middle, so that others take their places and their shapes get other numbers. */
+static void keys_are_found_when_chunks_have_changed_places(void **state)
+{
+	(void)state;
+	enum { chunks = 6, keys = chunks * ESK_CHUNK_SLOTS - 100 };
+	eskel_library *library = new_library();
+	eskel_signature *signature = synthetic_signature(1, 1, 0.1, 1);
+	static bool held[keys];
+	for (int64_t key = 0; key < keys; key++) {
+		assert_int_equal(eskel_library_add(library, key, signature), ESKEL_OK);
+		held[key] = true;
+	}
+	static const int gone[] = {1, 4, 3, 5, 0, 2};
+	for (int g = 0; g < chunks; g++) {
+		for (int64_t key = gone[g] * ESK_CHUNK_SLOTS; key < (gone[g] + 1) * ESK_CHUNK_SLOTS && key < keys;
+			key++) {
+			assert_int_equal(eskel_library_remove(library, key), ESKEL_OK);
+			held[key] = false;
+		}
+		for (int64_t key = 0; key < keys; key++) {
+			double distance;
+			eskel_status status = eskel_library_distances(library, &key, 1, &key, 1, NULL, &distance);
+			assert_int_equal(status, held[key] ? ESKEL_OK : ESKEL_NOT_FOUND);
+			if (held[key])
+				assert_int_equal(eskel_library_add(library, key, signature), ESKEL_INVALID);
+			else
+				assert_int_equal(eskel_library_remove(library, key), ESKEL_NOT_FOUND);
+		}
+	}
+	assert_int_equal(eskel_library_count(library), 0);
+	eskel_signature_free(signature);
+	eskel_library_free(library);
+}
+
 static void a_snapshot_stays_as_it_was(void **state)
 {
 	(void)state;
@@ -185,7 +219,62 @@ static void a_snapshot_stays_as_it_was(void **state)
 	eskel_library_free(library);
 }
 
-/* ---- readers against a writer; run it with -DESKEL_SANITIZE=thread */
+/* ---- writers and readers at once; run it with -DESKEL_SANITIZE=thread */
+
+enum { adders = 3, added = 700 };
+
+typedef struct {
+	eskel_library *library;
+	eskel_signature **signatures; /* [added] */
+	int64_t first;
+	int taken; /* keys that another had added */
+} adder;
+
+/* Adds keys of its own, each followed by one that all adders add, and takes every third of its own away again. */
+static void *add_many(void *context)
+{
+	adder *a = context;
+	for (int64_t n = 0; n < added; n++) {
+		if (eskel_library_add(a->library, a->first + n, a->signatures[n]) != ESKEL_OK)
+			a->taken = -adders * added;
+		a->taken += eskel_library_add(a->library, n, a->signatures[n]) == ESKEL_INVALID;
+		if (n % 3 == 0 && eskel_library_remove(a->library, a->first + n) != ESKEL_OK)
+			a->taken = -adders * added;
+	}
+	return NULL;
+}
+
+static void threads_that_add_at_once_add_each_key_once(void **state)
+{
+	(void)state;
+	static eskel_signature *signatures[added];
+	eskel_library *library = new_library();
+	pthread_t threads[adders];
+	adder work[adders];
+	int taken = 0;
+	for (int n = 0; n < added; n++)
+		signatures[n] = synthetic_signature((uint64_t)n, 1, 0.1, 1 + (uint32_t)n % 6);
+	for (int t = 0; t < adders; t++) {
+		work[t] = (adder){library, signatures, (t + 1) * 100000, 0};
+		assert_int_equal(pthread_create(&threads[t], NULL, add_many, &work[t]), 0);
+	}
+	for (int t = 0; t < adders; t++) {
+		pthread_join(threads[t], NULL);
+		taken += work[t].taken;
+	}
+	assert_int_equal(taken, (adders - 1) * added);
+	assert_int_equal(eskel_library_count(library), added + adders * (added - (added + 2) / 3));
+	for (int n = 0; n < added; n++) {
+		const int64_t keys[2] = {n, 100000 + n};
+		double distance = -1;
+		eskel_status status = eskel_library_distances(library, keys, 1, keys + 1, 1, NULL, &distance);
+		assert_int_equal(status, n % 3 ? ESKEL_OK : ESKEL_NOT_FOUND);
+		assert_true(distance == (n % 3 ? 0 : -1));
+	}
+	for (int n = 0; n < added; n++)
+		eskel_signature_free(signatures[n]);
+	eskel_library_free(library);
+}
 
 enum { stable = 50, moving = 10, changes = 3000, movers_key = 1000 };
 
@@ -275,7 +364,9 @@ int main(void)
 		cmocka_unit_test(a_key_is_unique_until_it_is_removed),
 		cmocka_unit_test(a_library_equals_a_plain_list_after_any_additions_and_removals),
 		cmocka_unit_test(removals_give_memory_back),
+		cmocka_unit_test(keys_are_found_when_chunks_have_changed_places),
 		cmocka_unit_test(a_snapshot_stays_as_it_was),
+		cmocka_unit_test(threads_that_add_at_once_add_each_key_once),
 		cmocka_unit_test(searches_see_a_whole_library_while_it_changes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
