@@ -36,16 +36,11 @@ static esk_piece *new_piece(void)
 	return piece;
 }
 
-static size_t room(const esk_piece *piece)
-{
-	return piece ? piece_size - piece->used : 0;
-}
-
 /* The first piece of the two with room, or a new one in place of the older. */
 static esk_piece *piece_with_room(esk_arena *arena, size_t size)
 {
 	for (int p = 0; p < 2; p++)
-		if (size <= room(arena->filled[p]))
+		if (arena->filled[p] && size <= piece_size - arena->filled[p]->used)
 			return arena->filled[p];
 	esk_piece *piece = new_piece();
 	if (piece) {

@@ -15,7 +15,7 @@ typedef struct {
 	esk_piece *filled[2]; /* the older first: what is too large for its rest goes into the other */
 } esk_arena;
 
-/* Aligned to cache lines, not zeroed; NULL when memory ran out or for more than a piece. */
+/* Of a size that is not 0. Aligned to cache lines, not zeroed; NULL when memory ran out or for more than a piece. */
 void *esk_arena_take(esk_arena *arena, size_t size);
 /* What was taken, or NULL. */
 void esk_arena_give_back(const void *memory);
