@@ -8,7 +8,6 @@
 
 #include "key_index.h"
 #include "memory.h"
-#include "signature.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -44,8 +43,12 @@ eskel_status eskel_library_new(eskel_library **library)
 		free(gate);
 		return ESKEL_NO_MEMORY;
 	}
-	/* With default attributes neither can fail here. */
-	pthread_mutex_init(&made->writing, NULL);
+	/* None of these can fail here. */
+	pthread_mutexattr_t adaptive; /* spins before it sleeps: most changes take less time than falling asleep */
+	pthread_mutexattr_init(&adaptive);
+	pthread_mutexattr_settype(&adaptive, PTHREAD_MUTEX_ADAPTIVE_NP);
+	pthread_mutex_init(&made->writing, &adaptive);
+	pthread_mutexattr_destroy(&adaptive);
 	pthread_mutex_init(gate, NULL);
 	made->gate = gate;
 	*library = made;
@@ -129,20 +132,19 @@ static bool has(const eskel_library *library, int64_t key)
 	return esk_key_index_find(&library->index, library->current.directory, key, &id);
 }
 
-/* Memory for a shape that is to be added; a key that is there already is refused before the work. */
-static eskel_status begin_add(eskel_library *library, int64_t key, size_t size, esk_shape **shape)
+/* A copy of the shape in a chunk that has a free slot. */
+static eskel_status put_copy(
+	esk_chunk *chunk, int64_t key, const esk_shape *shape, const esk_shape_codes *codes, esk_arena *arena)
 {
-	eskel_status status = ESKEL_OK;
-	pthread_mutex_lock(&library->writing);
-	if (has(library, key))
-		status = ESKEL_INVALID;
-	else if (!(*shape = esk_arena_take(&library->arena, size)))
-		status = ESKEL_NO_MEMORY;
-	pthread_mutex_unlock(&library->writing);
-	return status;
+	const size_t size = esk_shape_size(shape->level_count);
+	esk_shape *copy = esk_arena_take(arena, size);
+	if (!copy)
+		return ESKEL_NO_MEMORY;
+	put(chunk, key, memcpy(copy, shape, size), codes);
+	return ESKEL_OK;
 }
 
-static eskel_status add(eskel_library *library, int64_t key, esk_shape *shape, const esk_shape_codes *codes)
+static eskel_status add(eskel_library *library, int64_t key, const esk_shape *shape, const esk_shape_codes *codes)
 {
 	if (has(library, key))
 		return ESKEL_INVALID;
@@ -151,10 +153,13 @@ static eskel_status add(eskel_library *library, int64_t key, esk_shape *shape, c
 	eskel_status status = make_room(library);
 	if (status != ESKEL_OK)
 		return status;
-	esk_chunk *chunk = last_chunk(library);
 	esk_snapshot snapshot = library->current;
-	esk_key_index_insert(&library->index, key, esk_snapshot_id(snapshot.directory->chunk_count - 1, chunk->count));
-	put(chunk, key, shape, codes);
+	esk_chunk *chunk = last_chunk(library);
+	const uint32_t id = esk_snapshot_id(snapshot.directory->chunk_count - 1, chunk->count);
+	status = put_copy(chunk, key, shape, codes, &library->arena);
+	if (status != ESKEL_OK)
+		return status;
+	esk_key_index_insert(&library->index, key, id);
 	snapshot.last_count = chunk->count;
 	snapshot.shape_count++;
 	publish(library, snapshot);
@@ -165,37 +170,20 @@ eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_
 {
 	esk_shape *shape = NULL;
 	esk_shape_codes codes;
-	eskel_status status = esk_signature_check(signature, NULL);
-	if (status == ESKEL_OK)
-		status = begin_add(library, key, esk_shape_size(signature->level_count), &shape);
+	eskel_status status = esk_shape_new(signature, &shape);
 	if (status != ESKEL_OK)
 		return status;
-	esk_shape_write(signature, shape);
 	esk_columns_encode(shape, &codes);
 	pthread_mutex_lock(&library->writing);
 	status = add(library, key, shape, &codes);
 	pthread_mutex_unlock(&library->writing);
-	if (status != ESKEL_OK)
-		esk_arena_give_back(shape);
+	esk_shape_release(shape);
 	return status;
 }
 
 static bool is_removed(esk_chunk *chunk, uint32_t slot)
 {
 	return atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) != ESK_NEVER;
-}
-
-static eskel_status copy_shape(esk_chunk *chunk, uint32_t slot, esk_arena *arena, esk_chunk *copy)
-{
-	const esk_shape *shape = chunk->shapes[slot];
-	const size_t size = esk_shape_size(shape->level_count);
-	esk_shape_codes codes;
-	esk_shape *copied = esk_arena_take(arena, size);
-	if (!copied)
-		return ESKEL_NO_MEMORY;
-	esk_columns_encode(shape, &codes);
-	put(copy, chunk->keys[slot], memcpy(copied, shape, size), &codes);
-	return ESKEL_OK;
 }
 
 /* The shapes that are left, in a chunk that has no room for others and does not keep the arena's older pieces. */
@@ -205,8 +193,11 @@ static eskel_status copy_survivors(esk_chunk *chunk, esk_arena *arena, esk_chunk
 	esk_chunk *made = NULL;
 	eskel_status status = esk_chunk_new(chunk->count - removed, arena, &made);
 	for (uint32_t slot = 0; status == ESKEL_OK && slot < chunk->count; slot++)
-		if (!is_removed(chunk, slot))
-			status = copy_shape(chunk, slot, arena, made);
+		if (!is_removed(chunk, slot)) {
+			esk_shape_codes codes;
+			esk_columns_encode(chunk->shapes[slot], &codes);
+			status = put_copy(made, chunk->keys[slot], chunk->shapes[slot], &codes, arena);
+		}
 	if (status != ESKEL_OK) {
 		esk_chunk_free(made);
 		return status;

@@ -38,7 +38,7 @@ void esk_shape_unsort(const esk_shape *shape, uint32_t level, const float *sorte
 }
 
 /* A level on its way to be sorted. What lies beyond its classes is compared with them and goes nowhere. */
-enum { COMPARED = 16 };
+enum { COMPARED = 8 };
 typedef struct {
 	float numbers[ESK_NUMBERS_MAX][ESKEL_LEVELS_MAX];
 	int32_t less[ESK_NUMBERS_MAX][ESKEL_LEVELS_MAX]; /* so many are less */
