@@ -238,7 +238,7 @@ enum { LANES = 16 };
 
 /* Always in sixteen lanes: the same sum, and so the same shapes discarded, on any processor. Indices are of size_t: one that
  * may wrap around would have to be gathered. */
-static inline __attribute__((always_inline)) float sum_of_lanes(float *lanes)
+ESK_IN_LANES float sum_of_lanes(float *lanes)
 {
 	for (size_t width = LANES / 2; width > 0; width /= 2)
 		for (size_t lane = 0; lane < width; lane++)
@@ -246,12 +246,12 @@ static inline __attribute__((always_inline)) float sum_of_lanes(float *lanes)
 	return lanes[0];
 }
 
-static inline __attribute__((always_inline)) float number_of(float feature, bool are_lengths, float unit)
+ESK_IN_LANES float number_of(float feature, bool are_lengths, float unit)
 {
 	return are_lengths ? esk_shape_length(feature) * unit : feature;
 }
 
-static inline __attribute__((always_inline)) float sum_of_differences(
+ESK_IN_LANES float sum_of_differences(
 	const float *mine, const float *worths, const float *features, size_t count, bool are_lengths, float unit)
 {
 	float lanes[LANES] = {0};

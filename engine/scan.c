@@ -22,8 +22,7 @@ esk_scan esk_scan_make(const esk_query *query, float weight)
 
 /* Each code is off by half a step. All other rounding, of the numbers, of their differences and of the distance that is
  * bounded, is far below a quarter of a step and 2^-18 of the sum. */
-static inline __attribute__((always_inline)) float lower_of(
-	const esk_scan *scan, float sum, float differences, float worth, float log_volume)
+ESK_IN_LANES float lower_of(const esk_scan *scan, float sum, float differences, float worth, float log_volume)
 {
 	const float least = sum * (1 - 0x1p-18f) - (differences / 2 + 0.25f);
 	const float size = scan->size_weight * fabsf(log_volume - scan->log_volume) * (1 - 0x1p-18f);
@@ -34,9 +33,9 @@ static inline __attribute__((always_inline)) float lower_of(
 /* ---- columns */
 
 /* Indices are of size_t: one that may wrap around would have to be gathered. */
-static inline __attribute__((always_inline)) void scan_columns(const esk_scan *scan, const esk_columns *columns,
-	const uint16_t *restrict codes, const float *restrict mine, size_t count, float *restrict lower, size_t numbers,
-	size_t each, bool euclidean, bool has_unit)
+ESK_IN_LANES void scan_columns(const esk_scan *scan, const esk_columns *columns, const uint16_t *restrict codes,
+	const float *restrict mine, size_t count, float *restrict lower, size_t numbers, size_t each, bool euclidean,
+	bool has_unit)
 {
 	const size_t capacity = columns->capacity;
 	const float *restrict scales = columns->scales, *restrict log_volumes = columns->log_volumes;
@@ -59,8 +58,8 @@ static inline __attribute__((always_inline)) void scan_columns(const esk_scan *s
 	}
 }
 
-static inline __attribute__((always_inline)) void scan_any_columns(const esk_scan *scan, const esk_columns *columns,
-	const uint16_t *codes, size_t each, const float *mine, size_t count, float *lower)
+ESK_IN_LANES void scan_any_columns(const esk_scan *scan, const esk_columns *columns, const uint16_t *codes, size_t each,
+	const float *mine, size_t count, float *lower)
 {
 	if (scan->signature == ESKEL_SIGNATURE_LOG && !scan->euclidean)
 		scan_columns(scan, columns, codes, mine, count, lower, ESK_NUMBERS_MAX, each, false, false);
@@ -86,8 +85,8 @@ ESK_EVERY_WIDTH void esk_scan_columns(const esk_scan *scan, const esk_columns *c
 enum { LANES = 16 };
 
 /* The codes of sixteen slots, number by number; the last of fewer slots is repeated. */
-static inline __attribute__((always_inline)) void take_rows(const esk_scan *scan, const esk_columns *columns,
-	const uint16_t *slots, size_t count, size_t numbers, uint16_t codes[][LANES], float *worths, float *log_volumes)
+ESK_IN_LANES void take_rows(const esk_scan *scan, const esk_columns *columns, const uint16_t *slots, size_t count,
+	size_t numbers, uint16_t codes[][LANES], float *worths, float *log_volumes)
 {
 	for (size_t lane = 0; lane < LANES; lane++) {
 		const uint16_t slot = slots[lane < count ? lane : count - 1];
@@ -100,8 +99,8 @@ static inline __attribute__((always_inline)) void take_rows(const esk_scan *scan
 }
 
 /* Between class i of theirs and class j of mine. */
-static inline __attribute__((always_inline)) float class_distance(const esk_scan *scan, uint16_t codes[][LANES],
-	size_t lane, size_t i, const float *mine, size_t j, float steps, size_t numbers, bool euclidean)
+ESK_IN_LANES float class_distance(const esk_scan *scan, uint16_t codes[][LANES], size_t lane, size_t i,
+	const float *mine, size_t j, float steps, size_t numbers, bool euclidean)
 {
 	float sum = 0;
 	for (size_t c = 0; c < numbers; c++) {
@@ -111,8 +110,8 @@ static inline __attribute__((always_inline)) float class_distance(const esk_scan
 	return euclidean ? sqrtf(sum) : sum;
 }
 
-static inline __attribute__((always_inline)) void scan_pairs(const esk_scan *scan, const esk_columns *columns,
-	const float *mine, const uint16_t *slots, size_t count, float *lower, size_t numbers, bool euclidean)
+ESK_IN_LANES void scan_pairs(const esk_scan *scan, const esk_columns *columns, const float *mine, const uint16_t *slots,
+	size_t count, float *lower, size_t numbers, bool euclidean)
 {
 	const esk_scan s = *scan;
 	uint16_t codes[2 * ESK_NUMBERS_MAX][LANES];

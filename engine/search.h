@@ -82,7 +82,7 @@ static inline void esk_search_ask_columns(const esk_search *search, uint32_t chu
 static inline void esk_search_ask_halves(const esk_search *search, uint32_t id, uint32_t first, uint32_t last)
 {
 	const eskel_signature_kind kind = search->query.signature;
-	const esk_columns *columns = &search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS]->columns;
+	const esk_columns *columns = &esk_snapshot_chunk(&search->snapshot, id)->columns;
 	const size_t row = 2 * esk_numbers(kind);
 	if (last <= ESK_SUMMED_LEVELS)
 		esk_search_ask(esk_columns_halves(columns, id % ESK_CHUNK_SLOTS, kind) + (first - 1) * row,
@@ -92,7 +92,7 @@ static inline void esk_search_ask_halves(const esk_search *search, uint32_t id, 
 /* Where a shape lies has to be read before the shape can be asked for. */
 static inline void esk_search_ask_place(const esk_search *search, uint32_t id)
 {
-	const esk_chunk *chunk = search->snapshot.directory->chunks[id / ESK_CHUNK_SLOTS];
+	const esk_chunk *chunk = esk_snapshot_chunk(&search->snapshot, id);
 	__builtin_prefetch(&chunk->shapes[id % ESK_CHUNK_SLOTS]);
 	__builtin_prefetch(&chunk->keys[id % ESK_CHUNK_SLOTS]);
 }
