@@ -1,6 +1,9 @@
 /* Opening and closing: the store, and the library filled from it. */
 #include "api.h"
 
+#include "calibration.h"
+#include "pruning.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,7 +130,11 @@ eskel_store_status eskel_api_open(
 		status = fill_memory(opened, error);
 	if (status == ESKEL_STORE_OK)
 		opened->known = esk_known_new(opened->store, opened->options.most_known_bytes);
-	if (status == ESKEL_STORE_OK && !opened->known)
+	if (status == ESKEL_STORE_OK) {
+		opened->calibration = esk_calibration_new(opened);
+		opened->pruning = esk_pruning_new(opened);
+	}
+	if (status == ESKEL_STORE_OK && !(opened->known && opened->calibration && opened->pruning))
 		status = refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 	if (status == ESKEL_STORE_OK)
 		*api = opened;
@@ -140,6 +147,8 @@ void eskel_api_close(eskel_api *api)
 {
 	if (!api)
 		return;
+	esk_pruning_free(api->pruning);
+	esk_calibration_free(api->calibration);
 	esk_known_free(api->known);
 	eskel_library_free(api->library);
 	eskel_store_close(api->store);

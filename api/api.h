@@ -8,7 +8,8 @@
 #include <pthread.h>
 
 /* The store is the truth, the library its signatures in memory under the same keys, and known what recognitions have
- * read of it. A change of both is not one step:
+ * read of it, calibration what its shapes teach about verdicts, pruning what they
+ * teach about pruned searches. A change of both is not one step:
  * whoever enrolls shares the lock changing from its last look at the store until the library follows, whoever patches or
  * deletes has it alone. So an enrollment and a deletion of one shape cannot cross, and enrollments still meet in one
  * commit of the store. Nobody who only reads takes it: a reader may see a key of the library that the store has just
@@ -17,6 +18,8 @@ struct eskel_api {
 	eskel_store *store;
 	eskel_library *library;
 	esk_known *known;
+	struct esk_calibration *calibration;
+	struct esk_pruning *pruning;
 	pthread_rwlock_t changing;
 	eskel_api_options options;
 };

@@ -3,6 +3,7 @@
  * A label whose cloud is stored already is left as it is, so its skeleton is not computed again. Whether it is stored
  * is asked before the long computation and once more under the lock that keeps deletions out; if a shape was deleted
  * between the two, its missing skeleton is computed and the lock taken again. */
+#include "calibration.h"
 #include "exchange.h"
 #include "resources.h"
 #include "shape_json.h"
@@ -105,6 +106,7 @@ static void take_back(eskel_exchange *exchange, enrolling *work, size_t count)
 			eskel_library_remove(exchange->api->library, work->enrolled[i].key);
 		eskel_store_delete(exchange->api->store, exchange->actor, work->enrolled[i].id, 0, &key, NULL);
 		esk_known_drop(exchange->api->known, work->enrolled[i].key);
+		esk_calibration_note(exchange->api->calibration, work->enrolled[i].key);
 	}
 }
 
@@ -120,6 +122,7 @@ static bool add_to_library(eskel_exchange *exchange, enrolling *work)
 			take_back(exchange, work, i);
 			return esk_problem_engine(&exchange->problem, status, NULL);
 		}
+		esk_calibration_note(exchange->api->calibration, work->enrolled[i].key);
 	}
 	return true;
 }

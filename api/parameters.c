@@ -59,6 +59,11 @@ static bool take_years(void *target, const argument *given, esk_problem *problem
 	return esk_value_years(given->name, given->value, target, problem);
 }
 
+static bool take_share(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_share(given->name, given->value, target, problem);
+}
+
 static bool take_number(void *target, const argument *given, esk_problem *problem)
 {
 	int64_t number;
@@ -213,6 +218,7 @@ static const struct parameter parameters[] = {
 	{.name = "explain", .take = take_choice, FIELD(explain), .choices = answers},
 	{.name = "format", .take = take_choice, FIELD(format), .choices = formats},
 	{.name = "id", .take = take_ids},
+	{.name = "keep", .take = take_share, FIELD(keep)},
 	{.name = "label", .take = take_label, .repeatable = true},
 	{.name = "label.N.class", .take = take_label_words},
 	{.name = "label.N.name", .take = take_label_words},
@@ -221,6 +227,7 @@ static const struct parameter parameters[] = {
 	{.name = "levels", .take = take_number, FIELD(levels), .most = ESKEL_LEVELS_MAX},
 	{.name = "limit", .take = take_number, FIELD(limit), .most = INT32_MAX},
 	{.name = "metric", .take = take_choice, FIELD(metric), .choices = metrics},
+	{.name = "minimum", .take = take_number, FIELD(minimum), .most = INT32_MAX},
 	{.name = "mode", .take = take_choice, FIELD(mode), .choices = modes},
 	{.name = "name", .take = take_text, FIELD(name)},
 	{.name = "not.subject", .take = take_text, FIELD(not_subject)},

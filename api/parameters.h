@@ -38,7 +38,8 @@ typedef struct {
 	size_t id_count;
 	char (*ids)[ESKEL_ID_SIZE];
 	int64_t cursor;                                   /* the key to go on after */
-	unsigned limit, level, levels;                    /* 0: not given */
+	unsigned limit, level, levels, minimum;           /* 0: not given */
+	double keep;                                      /* 0: not given */
 	unsigned mode, signature, distance, metric, size; /* of the enums of eskel.h */
 	unsigned format;                                  /* ESK_FORMAT_... */
 	unsigned explain;

@@ -1,6 +1,8 @@
 /* One recognition, see recognition.h. Nothing is locked: a neighbour that was deleted since the search is dropped. */
 #include "recognition.h"
 
+#include "calibration.h"
+
 #include <stdlib.h>
 #include <time.h>
 
@@ -32,21 +34,17 @@ static double now_in_milliseconds(void)
 	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
-static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, const esk_parameters *query,
+static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, eskel_search_options *options,
 	esk_recognition *recognition, esk_problem *problem)
 {
-	size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
-	const eskel_search_options options = {
-		.distance = esk_parameters_distance(query),
-		.mode = (eskel_search_mode)query->mode,
-		.limit = limit > ESK_VOTERS ? limit : ESK_VOTERS,
-		.keys = choice->keys,
-		.key_count = choice->count,
-		.leave_out = unknown->shape->key != 0,
-		.left_out_key = unknown->shape->key,
-	};
+	if (options->limit < ESK_VOTERS)
+		options->limit = ESK_VOTERS;
+	options->keys = choice->keys;
+	options->key_count = choice->count;
+	options->leave_out = unknown->shape->key != 0;
+	options->left_out_key = unknown->shape->key;
 	double start = now_in_milliseconds();
-	eskel_status status = eskel_library_search(api->library, unknown->signature, &options, &recognition->search);
+	eskel_status status = eskel_library_search(api->library, unknown->signature, options, &recognition->search);
 	recognition->milliseconds = now_in_milliseconds() - start;
 	return esk_problem_engine(problem, status, NULL);
 }
@@ -76,7 +74,14 @@ static bool gather(eskel_api *api, const esk_unknown *unknown, esk_recognition *
 	return true;
 }
 
-static void vote(const eskel_description *recorded, esk_recognition *recognition)
+bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
+	eskel_search_options *options, esk_recognition *recognition, esk_problem *problem)
+{
+	return search(api, unknown, choice, options, recognition, problem) &&
+	       gather(api, unknown, recognition, problem);
+}
+
+void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *evidence)
 {
 	esk_vote votes[ESK_VOTERS];
 	size_t count = recognition->count < ESK_VOTERS ? recognition->count : ESK_VOTERS;
@@ -85,19 +90,32 @@ static void vote(const eskel_description *recorded, esk_recognition *recognition
 		votes[i] = (esk_vote){
 			.distance = neighbour->found->distance,
 			.said = &neighbour->known->shape.description,
-			.handed = neighbour->chirality.verdict,
 			.chirality_score = neighbour->chirality.score,
 		};
 	}
-	esk_verdict_of_votes(votes, count, recorded, &recognition->verdict);
+	esk_evidence_of_votes(votes, count, evidence);
 }
 
 bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
 	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem)
 {
-	if (!search(api, unknown, choice, query, recognition, problem) || !gather(api, unknown, recognition, problem))
+	eskel_search_options options = {
+		.distance = esk_parameters_distance(query),
+		.mode = (eskel_search_mode)query->mode,
+		.keep = query->keep,
+		.minimum = query->minimum,
+		.limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT,
+	};
+	esk_evidence evidence;
+	esk_scores scores;
+	if (!esk_recognition_find(api, unknown, choice, &options, recognition, problem))
 		return false;
-	vote(&unknown->shape->description, recognition);
+	esk_recognition_evidence(recognition, &evidence);
+	if (!esk_calibration_score(api->calibration, &options.distance, &evidence, &scores, problem))
+		return false;
+	if (!recognition->search->proven && !esk_pruning_risk(api->pruning, &options, &recognition->risk, problem))
+		return false;
+	esk_verdict_of_evidence(&evidence, &scores, &unknown->shape->description, &recognition->verdict);
 	return true;
 }
 

@@ -6,6 +6,7 @@
 #include "json.h"
 #include "problem.h"
 #include "parameters.h"
+#include "pruning.h"
 #include "verdict.h"
 
 /* What is recognised, borrowed. A stored shape leaves itself out. */
@@ -30,6 +31,7 @@ typedef struct {
 typedef struct {
 	eskel_search_result *search;
 	double milliseconds; /* of the search */
+	esk_risk risk;       /* that the nearest shape was pruned */
 	size_t count;
 	esk_neighbour *neighbours; /* found by the search and still stored */
 	esk_verdict verdict;
@@ -37,6 +39,12 @@ typedef struct {
 
 bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem);
 void esk_choice_clear(esk_choice *choice);
+
+/* The neighbours, without a verdict: at least ESK_VOTERS where there are so many. Sets the keys and what is left out in the
+ * options. Clear the recognition also after a failure. */
+bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
+	eskel_search_options *options, esk_recognition *recognition, esk_problem *problem);
+void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *evidence);
 
 bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
 	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem);

@@ -17,10 +17,15 @@ static json_t *search_json(const esk_recognition *recognition, const esk_paramet
 			json_decref(kept);
 			return NULL;
 		}
-	return json_pack("{s:s, s:b, s:s, s:I, s:I, s:o, s:o}", "mode",
-		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)search->proven, "distance",
-		query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library", (json_int_t)search->library,
-		"compared", (json_int_t)search->compared, "kept", kept, "milliseconds",
+	json_t *risk = search->proven ? json_null()
+				      : json_pack("{s:o, s:I, s:I}", "dropped_nearest",
+						esk_json_real(recognition->risk.dropped_nearest), "trials",
+						(json_int_t)recognition->risk.trials, "library",
+						(json_int_t)recognition->risk.library);
+	return json_pack("{s:s, s:b, s:o, s:s, s:I, s:I, s:o, s:o}", "mode",
+		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)search->proven, "risk", risk,
+		"distance", query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library",
+		(json_int_t)search->library, "compared", (json_int_t)search->compared, "kept", kept, "milliseconds",
 		esk_json_real(round(1e3 * recognition->milliseconds) / 1e3));
 }
 
@@ -129,8 +134,9 @@ static json_t *verdict_json(const esk_verdict *verdict)
 {
 	json_t *agrees =
 		verdict->agrees == ESK_AGREES_UNKNOWN ? json_null() : json_boolean(verdict->agrees == ESK_AGREES);
-	return json_pack("{s:s?, s:o, s:s?, s:o, s:o}", "class", verdict->class, "class_score",
-		esk_json_real(verdict->class_score), "side", esk_value_side_text(verdict->side), "side_score",
+	return json_pack("{s:s?, s:o, s:s?, s:o, s:s?, s:o, s:o}", "class", verdict->class, "class_score",
+		esk_json_real(verdict->class_score), "nearest_class", verdict->nearest_class, "distance_z",
+		esk_json_real(verdict->distance_z), "side", esk_value_side_text(verdict->side), "side_score",
 		esk_json_real(verdict->side_score), "agrees", agrees);
 }
 

@@ -18,6 +18,10 @@ bool esk_recognize_check(eskel_exchange *exchange)
 	if (query->level && query->distance != ESKEL_DISTANCE_LEVEL && !query->explain)
 		return esk_problem_set(&exchange->problem, 400,
 			"level is %u without a use, expected distance=level or explain=true beside it", query->level);
+	if ((query->keep > 0 || query->minimum > 0) && query->mode != ESKEL_SEARCH_PRUNED)
+		return esk_problem_set(&exchange->problem, 400,
+			"%s is given without a use, expected mode=pruned beside it",
+			query->keep > 0 ? "keep" : "minimum");
 	return true;
 }
 

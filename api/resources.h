@@ -16,6 +16,8 @@ bool esk_signature_get(eskel_exchange *exchange);   /* signature.c */
 bool esk_recognize_check(eskel_exchange *exchange); /* recognize.c */
 bool esk_recognize_shape(eskel_exchange *exchange);
 bool esk_recognize_volume(eskel_exchange *exchange);
+bool esk_calibrate_check(eskel_exchange *exchange); /* calibrate.c */
+bool esk_calibrate_get(eskel_exchange *exchange);
 bool esk_distances_check(eskel_exchange *exchange); /* distances.c */
 bool esk_distances_get(eskel_exchange *exchange);
 bool esk_health_live(eskel_exchange *exchange); /* health.c */

@@ -8,7 +8,7 @@
 
 #define FILTER "class", "side", "subject", "sex", "age_min", "age_max", "attr.KEY", "q"
 #define DISTANCE "signature", "distance", "level", "metric", "size"
-#define SEARCH "limit", "mode", DISTANCE, "not.subject", "explain", FILTER
+#define SEARCH "limit", "mode", "keep", "minimum", DISTANCE, "not.subject", "explain", FILTER
 #define LABELS "label", "label.N.name", "label.N.class", "label.N.side"
 
 static const char *const nothing[] = {NULL};
@@ -18,12 +18,14 @@ static const char *const enroll[] = {
 static const char *const signature[] = {"level", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
+static const char *const calibration[] = {DISTANCE, NULL};
 static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
 
 #define READ ESKEL_ROLE_READ
 #define WRITE ESKEL_ROLE_WRITE
 
 static const esk_route routes[] = {
+	{"/calibration", "GET", READ, ESK_BODY_NONE, true, calibration, esk_calibrate_check, esk_calibrate_get},
 	{"/distances", "GET", READ, ESK_BODY_NONE, true, distances, esk_distances_check, esk_distances_get},
 	{"/healthz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_live},
 	{"/openapi.json", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_openapi_get},

@@ -1,6 +1,7 @@
 /* GET, PATCH and DELETE /shapes/{id}. The entity tag names the stored row and its revision, so that a shape which was
  * deleted and enrolled again has another one. */
 #include "description.h"
+#include "calibration.h"
 #include "exchange.h"
 #include "resources.h"
 #include "shape_json.h"
@@ -98,8 +99,10 @@ static bool patch(eskel_exchange *exchange, eskel_shape *shape, eskel_shape *pat
 		return false;
 	eskel_store_status status = eskel_store_describe(exchange->api->store, exchange->actor, exchange->id,
 		shape->revision, &shape->description, patched, &error);
-	if (status == ESKEL_STORE_OK)
+	if (status == ESKEL_STORE_OK) {
 		esk_known_drop(exchange->api->known, shape->key);
+		esk_calibration_note(exchange->api->calibration, shape->key);
+	}
 	return esk_problem_store(&exchange->problem, status, &error);
 }
 
@@ -128,6 +131,7 @@ static bool delete_shape(eskel_exchange *exchange, eskel_shape *shape)
 	/* Without memory the library keeps the key; readers drop neighbours that the store has not. */
 	eskel_library_remove(exchange->api->library, key);
 	esk_known_drop(exchange->api->known, key);
+	esk_calibration_note(exchange->api->calibration, key);
 	return true;
 }
 

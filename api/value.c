@@ -63,7 +63,8 @@ bool esk_value_integer(
 	return true;
 }
 
-bool esk_value_years(const char *name, const char *value, double *years, esk_problem *problem)
+/* Digits with an optional fraction; false for anything else. */
+static bool decimal(const char *value, double *number)
 {
 	int64_t whole = 0, fraction = 0;
 	double scale = 1;
@@ -76,11 +77,27 @@ bool esk_value_years(const char *name, const char *value, double *years, esk_pro
 		for (const char *digit = first; digit < end; digit++)
 			scale *= 10;
 	}
-	double sum = (double)whole + (double)fraction / scale;
-	if (!good || *end || sum > ESK_YEARS_MOST)
+	*number = (double)whole + (double)fraction / scale;
+	return good && !*end;
+}
+
+bool esk_value_years(const char *name, const char *value, double *years, esk_problem *problem)
+{
+	double sum;
+	if (!decimal(value, &sum) || sum > ESK_YEARS_MOST)
 		return esk_problem_set(
 			problem, 400, "%s is \"%.60s\", expected years from 0 to %d", name, value, ESK_YEARS_MOST);
 	*years = sum;
+	return true;
+}
+
+bool esk_value_share(const char *name, const char *value, double *share, esk_problem *problem)
+{
+	double number;
+	if (!decimal(value, &number) || number <= 0 || number > 1)
+		return esk_problem_set(
+			problem, 400, "%s is \"%.60s\", expected a number above 0, at most 1", name, value);
+	*share = number;
 	return true;
 }
 

@@ -22,6 +22,9 @@ bool esk_value_integer(
 /* 0 to ESK_YEARS_MOST, digits with an optional fraction. */
 bool esk_value_years(const char *name, const char *value, double *years, esk_problem *problem);
 
+/* Above 0, at most 1, digits with an optional fraction. */
+bool esk_value_share(const char *name, const char *value, double *share, esk_problem *problem);
+
 /* One of a NULL-terminated list; *index is its place. */
 bool esk_value_choice(
 	const char *name, const char *value, const char *const *choices, unsigned *index, esk_problem *problem);

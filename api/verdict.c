@@ -7,13 +7,9 @@
 /* Copies of a shape are at distance 0, or at what the rounding to 32-bit floats leaves of it. */
 #define LEAST_DISTANCE 1e-6
 
-/* A chirality of this score was never wrong on the bones and atlases that it was measured on. */
-#define CERTAIN_SCORE 0.2
-
 static double weight_of(const esk_vote *vote)
 {
-	double distance = fmax(vote->distance, LEAST_DISTANCE);
-	return pow(distance, -10);
+	return pow(fmax(vote->distance, LEAST_DISTANCE), -10);
 }
 
 static bool is_of_class(const esk_vote *vote, const char *class)
@@ -21,59 +17,60 @@ static bool is_of_class(const esk_vote *vote, const char *class)
 	return vote->said->class && strcmp(vote->said->class, class) == 0;
 }
 
-static double weight_of_class(const esk_vote *votes, size_t count, const char *class)
+static void vote_on_class(const esk_vote *votes, size_t count, esk_evidence *evidence)
 {
-	double weight = 0;
-	for (size_t i = 0; i < count; i++)
-		if (is_of_class(&votes[i], class))
-			weight += weight_of(&votes[i]);
-	return weight;
-}
-
-static void vote_on_class(const esk_vote *votes, size_t count, esk_verdict *verdict)
-{
-	double all = 0;
+	double all = 0, agreed = 0;
 	for (size_t i = 0; i < count; i++) {
 		if (!votes[i].said->class)
 			continue;
-		if (!verdict->class)
-			verdict->class = votes[i].said->class;
+		if (!evidence->class) {
+			evidence->class = votes[i].said->class;
+			evidence->distance = votes[i].distance;
+		}
 		all += weight_of(&votes[i]);
+		if (is_of_class(&votes[i], evidence->class))
+			agreed += weight_of(&votes[i]);
 	}
-	if (verdict->class)
-		verdict->class_score = weight_of_class(votes, count, verdict->class) / all;
+	if (evidence->class)
+		evidence->share = agreed / all;
 }
 
-/* -1 to 1: how surely the query is a right one, by a neighbour that is left or right. */
-static double rightness(const esk_vote *vote)
-{
-	double sign = vote->said->side == ESKEL_SIDE_RIGHT ? 1 : -1;
-	if (vote->handed == ESKEL_CHIRALITY_MIRRORED)
-		sign = -sign;
-	return sign * fmin(fabs(vote->chirality_score) / CERTAIN_SCORE, 1);
-}
-
-static void vote_on_side(const esk_vote *votes, size_t count, esk_verdict *verdict)
+static void vote_on_side(const esk_vote *votes, size_t count, esk_evidence *evidence)
 {
 	double sided = 0, right = 0, midline = 0;
 	for (size_t i = 0; i < count; i++) {
-		const esk_vote *vote = &votes[i];
-		eskel_side side = vote->said->side;
-		if (!is_of_class(vote, verdict->class) || side == ESKEL_SIDE_UNKNOWN)
+		const eskel_side side = votes[i].said->side;
+		if (!is_of_class(&votes[i], evidence->class) || side == ESKEL_SIDE_UNKNOWN)
 			continue;
 		if (side == ESKEL_SIDE_NONE) {
-			midline += weight_of(vote);
-		} else if (vote->handed != ESKEL_CHIRALITY_UNDECIDED) {
-			sided += weight_of(vote);
-			right += weight_of(vote) * rightness(vote);
+			midline += weight_of(&votes[i]);
+		} else {
+			sided += weight_of(&votes[i]);
+			right += weight_of(&votes[i]) * votes[i].chirality_score * (side == ESKEL_SIDE_RIGHT ? 1 : -1);
 		}
 	}
-	if (midline > sided) {
+	if (midline + sided > 0)
+		evidence->midline = midline / (midline + sided);
+	if (sided > 0)
+		evidence->rightness = right / sided;
+}
+
+void esk_evidence_of_votes(const esk_vote *votes, size_t count, esk_evidence *evidence)
+{
+	*evidence = (esk_evidence){.distance = NAN, .midline = NAN};
+	vote_on_class(votes, count, evidence);
+	if (evidence->class)
+		vote_on_side(votes, count, evidence);
+}
+
+static void judge_side(const esk_evidence *evidence, const esk_scores *scores, esk_verdict *verdict)
+{
+	if (evidence->midline > 0.5) {
 		verdict->side = ESKEL_SIDE_NONE;
-		verdict->side_score = midline / (midline + sided);
-	} else if (right != 0) {
-		verdict->side = right > 0 ? ESKEL_SIDE_RIGHT : ESKEL_SIDE_LEFT;
-		verdict->side_score = fabs(right) / (midline + sided);
+		verdict->side_score = evidence->midline;
+	} else if (evidence->rightness != 0 && scores->side_score >= ESK_LEAST_SIDE_SCORE) {
+		verdict->side = evidence->rightness > 0 ? ESKEL_SIDE_RIGHT : ESKEL_SIDE_LEFT;
+		verdict->side_score = scores->side_score;
 	}
 }
 
@@ -90,11 +87,18 @@ static esk_agreement compare(const esk_verdict *verdict, const eskel_description
 	return ESK_AGREES;
 }
 
-void esk_verdict_of_votes(const esk_vote *votes, size_t count, const eskel_description *recorded, esk_verdict *verdict)
+void esk_verdict_of_evidence(
+	const esk_evidence *evidence, const esk_scores *scores, const eskel_description *recorded, esk_verdict *verdict)
 {
-	*verdict = (esk_verdict){.class_score = NAN, .side_score = NAN};
-	vote_on_class(votes, count, verdict);
-	if (verdict->class)
-		vote_on_side(votes, count, verdict);
+	*verdict = (esk_verdict){
+		.nearest_class = evidence->class, .class_score = NAN, .distance_z = NAN, .side_score = NAN};
+	if (evidence->class) {
+		verdict->class_score = scores->class_score;
+		verdict->distance_z = scores->distance_z;
+	}
+	if (evidence->class && !(scores->distance_z > ESK_FARTHEST)) {
+		verdict->class = evidence->class;
+		judge_side(evidence, scores, verdict);
+	}
 	verdict->agrees = compare(verdict, recorded);
 }

@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { default_limit = 5 };
+enum { default_limit = 5, default_minimum = 10 };
+static const double default_keep = 0.1;
 
 static void choose_slots(
 	const esk_snapshot *snapshot, uint32_t c, const eskel_search_options *options, uint64_t slots[ESK_CHUNK_WORDS])
@@ -113,12 +114,17 @@ eskel_status eskel_library_search(const eskel_library *library, const eskel_sign
 	const eskel_search_options *options, eskel_search_result **result)
 {
 	const eskel_search_options chosen = options ? *options : (eskel_search_options){0};
-	if ((unsigned)chosen.mode > ESKEL_SEARCH_PRUNED)
+	if ((unsigned)chosen.mode > ESKEL_SEARCH_PRUNED || !(chosen.keep >= 0 && chosen.keep <= 1))
 		return ESKEL_INVALID;
 	eskel_search_result *made = esk_memory_zeroed_array(1, sizeof *made);
 	if (!made)
 		return ESKEL_NO_MEMORY;
-	esk_search search = {.snapshot = esk_library_snapshot(library), .result = made};
+	esk_search search = {
+		.snapshot = esk_library_snapshot(library),
+		.keep = chosen.keep > 0 ? chosen.keep : default_keep,
+		.minimum = chosen.minimum ? chosen.minimum : default_minimum,
+		.result = made,
+	};
 	eskel_status status = run(&search, query, &chosen);
 	esk_nearest_clear(&search.answer);
 	free(search.levels);

@@ -10,6 +10,8 @@ typedef struct {
 	esk_snapshot snapshot;
 	esk_shape *shape; /* the query's */
 	esk_query query;
+	double keep; /* by each step of the pruned search: this share, but not fewer than the minimum */
+	size_t minimum;
 	uint64_t (*participants)[ESK_CHUNK_WORDS]; /* for each chunk a bit for each slot */
 	size_t participant_count;
 	esk_nearest answer;                 /* filled by the mode */

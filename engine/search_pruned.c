@@ -2,7 +2,7 @@
  * on, until few are left; compare those to full depth.
  *
  * Read literally, "until 10 or less remain" overshoots: of 116 shapes 12 and then 2 would be left. So a step never
- * keeps fewer than 10, nor fewer than are wanted. A shape that lacks a step's level is compared at the deepest level that
+ * keeps fewer than 10 (or as many as are asked for), nor fewer than are wanted. A shape that lacks a step's level is compared at the deepest level that
  * both have. Nothing is proven unless all were compared: a discarded shape may be nearer in the end.
  *
  * Which shapes a step keeps is decided to the last bit, but for the first two steps, which look at many, few distances are
@@ -19,8 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { least_kept = 10, kept_one_in = 10 };
-
 typedef struct {
 	esk_search *search;
 	esk_scan scans[2];  /* of levels 1 and 2 */
@@ -34,9 +32,10 @@ typedef struct {
 /* How many of count shapes a step keeps. */
 static size_t step_keeps(const walk *w, size_t count)
 {
-	size_t keep = count / kept_one_in + (count % kept_one_in != 0);
-	if (keep < least_kept)
-		keep = least_kept;
+	const double part = (double)count * w->search->keep;
+	size_t keep = (size_t)ceil(part - 1e-9 * part); /* 0.1 of 30 is a little more than 3 */
+	if (keep < w->search->minimum)
+		keep = w->search->minimum;
 	if (keep < w->search->answer.wanted)
 		keep = w->search->answer.wanted;
 	return keep < count ? keep : count;

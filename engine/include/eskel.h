@@ -318,13 +318,15 @@ ESKEL_API size_t eskel_library_count(const eskel_library *library);
 ESKEL_API eskel_status eskel_library_distances(const eskel_library *library, const int64_t *rows, size_t row_count,
 	const int64_t *columns, size_t column_count, const eskel_distance_options *options, double *distances);
 
-/* exact finds what comparing with every shape would find; pruned is the paper's: the nearest tenth at each level, never
- * fewer than 10, then full depth, and may miss the nearest. */
+/* exact finds what comparing with every shape would find; pruned is the paper's: the nearest tenth at each level (keep),
+ * never fewer than 10 (minimum) or than are wanted, then full depth, and may miss the nearest. */
 typedef enum { ESKEL_SEARCH_EXACT, ESKEL_SEARCH_PRUNED } eskel_search_mode;
 
 typedef struct {
 	eskel_distance_options distance;
 	eskel_search_mode mode;
+	double keep;                    /* pruned: the share that a level keeps, above 0 to 1; default 0.1 */
+	size_t minimum;                 /* pruned: the fewest that a level keeps; default 10 */
 	size_t limit;                   /* neighbours wanted; default 5 */
 	const int64_t *keys;            /* ascending: compare with these only (a filter's answer); NULL: all */
 	size_t key_count;

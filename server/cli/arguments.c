@@ -47,6 +47,8 @@ static const esk_option options[] = {
 
 	{"limit", "N", RECOGNIZE, "limit", "neighbours (5)"},
 	{"mode", "MODE", RECOGNIZE, "mode", "exact (default) or pruned"},
+	{"keep", "SHARE", RECOGNIZE, "keep", "for --mode pruned: what each level keeps (0.1)"},
+	{"minimum", "N", RECOGNIZE, "minimum", "for --mode pruned: the fewest that a level keeps (10)"},
 	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
 	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
 	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},

@@ -3,12 +3,13 @@
 import { facts, make, number, table } from "./dom.js";
 
 function percent(score) {
-	return typeof score === "number" ? `${Math.round(score * 100)} %` : "–";
+	return typeof score === "number" ? `${Math.min(Math.round(score * 100), 99)} %` : "–";
 }
 
-function score(name, value, of) {
+// A verdict's class or side, and how probable it is.
+function score(name, value, of, otherwise) {
 	return make("p", { class: "score" },
-		make("span", {}, name), make("strong", {}, value ?? "undecided"),
+		make("span", {}, name), make("strong", {}, value ?? otherwise),
 		value ? make("meter", { min: 0, max: 1, value: of ?? 0 }) : null,
 		value ? make("span", { class: "note" }, percent(of)) : null);
 }
@@ -20,6 +21,13 @@ function agreement({ query, verdict }) {
 	if (verdict.agrees === false)
 		return make("p", { class: "bad" }, `✗ contradicts what is recorded: ${recorded}`);
 	return null;
+}
+
+function tooFar(verdict) {
+	if (verdict.class || !verdict.nearest_class)
+		return null;
+	return make("p", { class: "note" }, `The nearest is of class ${verdict.nearest_class}, but ` +
+		`${number(verdict.distance_z, 1)} standard deviations farther away than its fellows are from each other.`);
 }
 
 function searched(search) {
@@ -56,8 +64,9 @@ function card(result) {
 	const { query, verdict, search } = result;
 	return make("article", { class: "card" },
 		make("h3", {}, title(result)),
-		score("class", verdict.class, verdict.class_score),
-		score("side", verdict.side, verdict.side_score),
+		score("class", verdict.class, verdict.class_score, "unknown"),
+		tooFar(verdict),
+		score("side", verdict.side, verdict.side_score, "undecided"),
 		agreement(result),
 		result.neighbours.length ? neighbours(result.neighbours) : make("p", {}, "There is nothing to compare it with."),
 		differences(result.neighbours[0]),
@@ -69,7 +78,7 @@ function card(result) {
 function summary(results) {
 	const says = { true: "yes", false: "no", null: "–" };
 	return table("Verdicts", [["label"], ["class"], ["score", "number"], ["side"], ["score", "number"], ["agrees"]],
-		results.map((result) => [title(result), result.verdict.class, percent(result.verdict.class_score), result.verdict.side,
+		results.map((result) => [title(result), result.verdict.class ?? "unknown", percent(result.verdict.class && result.verdict.class_score), result.verdict.side,
 			percent(result.verdict.side_score), says[result.verdict.agrees]]));
 }
 

@@ -136,7 +136,12 @@ static void one_shape_is_shown_member_by_member(void **state)
 static const char wrong_label[] =
 	"{\"results\":[{\"query\":{\"name\":\"femur_left\",\"label\":1},\"search\":{\"mode\":\"exact\","
 	"\"proven\":true,\"library\":78,\"milliseconds\":1.25},\"neighbours\":[" NEIGHBOUR "],"
-	"\"verdict\":{\"class\":\"femur\",\"side\":\"right\",\"agrees\":false}}]}";
+	"\"verdict\":{\"class\":\"femur\",\"class_score\":0.9712,\"nearest_class\":\"femur\",\"side\":\"right\","
+	"\"side_score\":0.9999,\"agrees\":false}}]}";
+
+static const char too_far[] = "{\"results\":[{\"query\":{\"name\":null,\"label\":3},\"neighbours\":[" NEIGHBOUR "],"
+			      "\"verdict\":{\"class\":null,\"class_score\":0.6,\"nearest_class\":\"femur\","
+			      "\"side\":null,\"side_score\":null,\"agrees\":null}}]}";
 
 static void a_recognition_says_class_side_and_whether_the_label_agrees(void **state)
 {
@@ -145,11 +150,13 @@ static void a_recognition_says_class_side_and_whether_the_label_agrees(void **st
 	add(report, "a.nii", wrong_label);
 	add(report, "b.nii",
 		"{\"results\":[{\"query\":{\"name\":null,\"label\":2},\"neighbours\":[],\"verdict\":{\"class\":null,"
-		"\"agrees\":null}}]}");
+		"\"nearest_class\":null,\"agrees\":null}}]}");
+	add(report, "c.nii", too_far);
 	assert_text(report, false,
-		"query       class  side   nearest      distance  chirality  score  agrees   ms\n"
-		"femur_left  femur  right  femur_right    0.1235  mirrored   -0.46  no      1.2\n"
-		"b.nii:2     -      -      -                   -  -              -  -         -\n");
+		"query       class    sure  side   sure  nearest      distance  chirality  agrees   ms\n"
+		"femur_left  femur    97 %  right  99 %  femur_right    0.1235  mirrored   no      1.2\n"
+		"b.nii:2     -           -  -         -  -                   -  -          -         -\n"
+		"c.nii:3     unknown     -  -         -  femur_right    0.1235  mirrored   -         -\n");
 	assert_int_equal(eskel_report_unrecognized(report), 1);
 	eskel_report_free(report);
 }

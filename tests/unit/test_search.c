@@ -222,11 +222,13 @@ static void the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limi
 }
 
 /* The steps of section 5.3, by sorting. free() the pairs. */
-static pair *prune_by_sorting(const shelf *s, const eskel_signature *query, const eskel_distance_options *options)
+static pair *prune_by_sorting(const shelf *s, const eskel_signature *query, const eskel_search_options *chosen)
 {
+	const eskel_distance_options *options = &chosen->distance;
+	const size_t minimum = chosen->minimum ? chosen->minimum : 10, one_in = chosen->keep > 0 ? 4 : 10;
 	pair *left = search_exhaustively(s, query, options);
 	size_t count = s->count;
-	for (uint32_t level = 1; count > 10; level++) {
+	for (uint32_t level = 1; count > minimum; level++) {
 		eskel_distance_options step = *options;
 		step.distance = ESKEL_DISTANCE_LEVEL;
 		step.level = level;
@@ -235,7 +237,8 @@ static pair *prune_by_sorting(const shelf *s, const eskel_signature *query, cons
 						 &left[n].distance, NULL, NULL),
 				ESKEL_OK);
 		qsort(left, count, sizeof *left, by_distance_then_key);
-		count = count > 100 ? (count + 9) / 10 : 10;
+		count = (count + one_in - 1) / one_in;
+		count = count > minimum ? count : minimum;
 	}
 	for (size_t n = 0; n < count; n++)
 		assert_int_equal(
@@ -248,11 +251,39 @@ static pair *prune_by_sorting(const shelf *s, const eskel_signature *query, cons
 static void assert_prunes_by_sorting(const shelf *s, const eskel_signature *query, int options)
 {
 	const eskel_search_options chosen = {.distance = combination(options), .mode = ESKEL_SEARCH_PRUNED};
-	pair *expected = prune_by_sorting(s, query, &chosen.distance);
+	pair *expected = prune_by_sorting(s, query, &chosen);
 	eskel_search_result *result = search(s, query, &chosen);
 	assert_is_answer(result, expected, 5, options);
 	eskel_search_result_free(result);
 	free(expected);
+}
+
+static void the_pruned_search_keeps_what_it_is_asked_to(void **state)
+{
+	(void)state;
+	shelf s = make_shelf(700, 70, 0.3, 3);
+	for (int o = 0; o < combinations; o++)
+		for (size_t minimum = 5; minimum <= 45; minimum += 20) {
+			const eskel_search_options chosen = {.distance = combination(o),
+				.mode = ESKEL_SEARCH_PRUNED,
+				.keep = 0.25,
+				.minimum = minimum};
+			pair *expected = prune_by_sorting(&s, s.signatures[8], &chosen);
+			eskel_search_result *result = search(&s, s.signatures[8], &chosen);
+			assert_is_answer(result, expected, 5, o);
+			assert_int_equal(result->kept[0], 175);
+			assert_int_equal(result->kept[1], 44 > minimum ? 44 : minimum);
+			eskel_search_result_free(result);
+			free(expected);
+		}
+	eskel_search_result *result = NULL;
+	const double refused[] = {-0.1, 1.1, NAN};
+	for (size_t i = 0; i < 3; i++)
+		assert_int_equal(
+			eskel_library_search(s.library, s.signatures[0],
+				&(eskel_search_options){.mode = ESKEL_SEARCH_PRUNED, .keep = refused[i]}, &result),
+			ESKEL_INVALID);
+	free_shelf(&s);
 }
 
 static void the_pruned_search_takes_the_steps_of_the_paper(void **state)
@@ -520,6 +551,7 @@ int main(void)
 		cmocka_unit_test(the_exact_search_compares_few_of_a_clustered_library),
 		cmocka_unit_test(the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limit),
 		cmocka_unit_test(the_pruned_search_takes_the_steps_of_the_paper),
+		cmocka_unit_test(the_pruned_search_keeps_what_it_is_asked_to),
 		cmocka_unit_test(the_pruned_search_does_not_depend_on_the_order_in_which_shapes_were_added),
 		cmocka_unit_test(shapes_beyond_the_codes_are_found_all_the_same),
 		cmocka_unit_test(the_pruned_search_of_ten_shapes_compares_them_all),
