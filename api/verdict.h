@@ -56,7 +56,7 @@ typedef struct {
  *
  * agrees is unknown unless something is recorded, false when a recorded class or side is another than the verdict's,
  * true when all that is recorded was told and is the same. */
-#define ESK_FARTHEST 4.0
+#define ESK_FARTHEST 3.0
 #define ESK_LEAST_SIDE_SCORE 0.9
 void esk_verdict_of_evidence(const esk_evidence *evidence, const esk_scores *scores, const eskel_description *recorded,
 	esk_verdict *verdict);

@@ -44,7 +44,7 @@ static void a_library_that_is_told_apart_makes_sure(void **state)
 	assert_string_equal(text_at(&found, "results.0.verdict.class"), "talus");
 	assert_true(number_at(&found, "results.0.verdict.class_score") > 0.9);
 	assert_true(number_at(&found, "results.0.verdict.side_score") > 0.9);
-	assert_true(number_at(&found, "results.0.verdict.distance_z") < 4);
+	assert_true(number_at(&found, "results.0.verdict.distance_z") < 3);
 	answer_free(&untaught);
 	answer_free(&a);
 	answer_free(&found);
@@ -77,7 +77,7 @@ static void what_is_like_nothing_known_is_unknown(void **state)
 	assert_status(&a, 200);
 	assert_null(text_at(&a, "results.0.verdict.class"));
 	assert_non_null(text_at(&a, "results.0.verdict.nearest_class"));
-	assert_true(number_at(&a, "results.0.verdict.distance_z") > 4);
+	assert_true(number_at(&a, "results.0.verdict.distance_z") > 3);
 	assert_true(json_is_null(at(&a, "results.0.verdict.side")));
 	assert_true(json_is_null(at(&a, "results.0.verdict.agrees")));
 	answer_free(&a);
