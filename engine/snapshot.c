@@ -2,6 +2,7 @@
 
 #include "memory.h"
 
+#include <endian.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,24 +102,48 @@ static inline void set(uint64_t *slots, size_t slot, bool found)
 	slots[slot / 64] |= (uint64_t)found << slot % 64;
 }
 
-/* Sets the slots of keys that are there; both lists ascend. Few keys gallop along the slots, many are merged. */
-static void merge(
+/* Eight bytes, each 0 or 1, as bits. Byte i, at 2^(8i), is moved to 2^(56 + i) by the factor's 2^(56 - 7i), and no two of the
+ * products share a place. */
+static uint64_t gather_bits(const uint8_t bytes[8])
+{
+	uint64_t eight;
+	memcpy(&eight, bytes, sizeof eight);
+	return le64toh(eight) * 0x0102040810204080 >> 56;
+}
+
+enum { LONGEST_SPAN = 4 * ESK_CHUNK_SLOTS };
+
+/* Sets the slots of keys, which lie in the span that begins with the first of theirs: a key marks its place in the span, and
+ * each slot looks at that of its own. Nothing branches on what is there, which could not be foreseen. Where their keys follow
+ * one another, as those of a database mostly do, a slot is a place. */
+static void mark(const int64_t *their_keys, uint32_t slot_count, size_t span, const int64_t *keys, size_t key_count,
+	uint64_t *slots)
+{
+	uint8_t marks[LONGEST_SPAN + ESK_CHUNK_SLOTS] = {0}, *of_slots = marks;
+	for (size_t at = 0; at < key_count; at++)
+		marks[keys[at] - their_keys[0]] = 1;
+	if (span > slot_count) {
+		of_slots = marks + LONGEST_SPAN;
+		for (size_t slot = 0; slot < slot_count; slot++)
+			of_slots[slot] = marks[their_keys[slot] - their_keys[0]];
+	}
+	for (size_t slot = 0; slot < slot_count; slot += 8)
+		slots[slot / 64] |= gather_bits(of_slots + slot) << slot % 64;
+}
+
+/* Sets the slots of keys that are there; both lists ascend, and the keys are none below the first or above the last of
+ * theirs. */
+static void find_ascending(
 	const int64_t *their_keys, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t *slots)
 {
-	if (8 * key_count < slot_count) {
-		for (size_t at = 0, slot = 0; at < key_count; at++) {
-			slot = advance(their_keys, slot_count, slot, keys[at]);
-			if (slot < slot_count)
-				set(slots, slot, their_keys[slot] == keys[at]);
-		}
+	const uint64_t span = (uint64_t)their_keys[slot_count - 1] - (uint64_t)their_keys[0];
+	if (8 * key_count >= slot_count && span < LONGEST_SPAN) {
+		mark(their_keys, slot_count, (size_t)span + 1, keys, key_count, slots);
 		return;
 	}
-	for (size_t slot = 0, at = 0; slot < slot_count; slot++) {
-		while (at < key_count && keys[at] < their_keys[slot])
-			at++;
-		if (at == key_count)
-			return;
-		set(slots, slot, keys[at] == their_keys[slot]);
+	for (size_t at = 0, slot = 0; at < key_count; at++) {
+		slot = advance(their_keys, slot_count, slot, keys[at]);
+		set(slots, slot, their_keys[slot] == keys[at]);
 	}
 }
 
@@ -134,7 +159,7 @@ void esk_chunk_find(
 		const size_t first = advance(keys, key_count, 0, chunk->keys[0]);
 		const size_t last = advance(keys, key_count, first, greatest);
 		const bool one_more = last < key_count && keys[last] == greatest;
-		merge(chunk->keys, ascending, keys + first, last + one_more - first, slots);
+		find_ascending(chunk->keys, ascending, keys + first, last + one_more - first, slots);
 	}
 	for (size_t slot = ascending; slot < slot_count; slot++) {
 		const size_t at = advance(keys, key_count, 0, chunk->keys[slot]);

@@ -4,6 +4,7 @@
 
 #include "symbols.h"
 
+#include <endian.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -18,38 +19,44 @@ struct esk_catalogue {
 	pthread_rwlock_t lock;
 	bool whole;
 	esk_symbols symbols;
-	size_t count, capacity, dead;
+	size_t count, capacity, dead; /* the capacity is a multiple of AT_ONCE; rows from count on have no life */
 	int64_t *keys;
 	bool *live;
 	uint8_t *sides, *sexes;
 	uint32_t *classes, *subjects;
 	double *ages;
+	uint32_t *hints;         /* the bits hint_of the attributes */
 	attributes **attributes; /* NULL: none */
 };
 
 /* ---- rows */
 
-static bool grow_column(void *column, size_t capacity, size_t size)
+/* New rows are zero. */
+static bool grow_column(void *column, size_t count, size_t capacity, size_t size)
 {
 	void **items = column;
-	void *moved = realloc(*items, capacity * size);
-	if (moved)
-		*items = moved;
-	return moved;
+	char *moved = realloc(*items, capacity * size);
+	if (!moved)
+		return false;
+	memset(moved + count * size, 0, (capacity - count) * size);
+	*items = moved;
+	return true;
 }
 
 static bool reserve(esk_catalogue *c)
 {
-	size_t capacity = c->capacity ? 2 * c->capacity : 256;
-	if (c->count < c->capacity)
+	const size_t n = c->count, capacity = c->capacity ? 2 * c->capacity : 256;
+	if (n < c->capacity)
 		return true;
-	if (!grow_column(&c->keys, capacity, sizeof *c->keys) || !grow_column(&c->live, capacity, sizeof *c->live) ||
-		!grow_column(&c->sides, capacity, sizeof *c->sides) ||
-		!grow_column(&c->sexes, capacity, sizeof *c->sexes) ||
-		!grow_column(&c->classes, capacity, sizeof *c->classes) ||
-		!grow_column(&c->subjects, capacity, sizeof *c->subjects) ||
-		!grow_column(&c->ages, capacity, sizeof *c->ages) ||
-		!grow_column(&c->attributes, capacity, sizeof *c->attributes))
+	if (!grow_column(&c->keys, n, capacity, sizeof *c->keys) ||
+		!grow_column(&c->live, n, capacity, sizeof *c->live) ||
+		!grow_column(&c->sides, n, capacity, sizeof *c->sides) ||
+		!grow_column(&c->sexes, n, capacity, sizeof *c->sexes) ||
+		!grow_column(&c->classes, n, capacity, sizeof *c->classes) ||
+		!grow_column(&c->subjects, n, capacity, sizeof *c->subjects) ||
+		!grow_column(&c->ages, n, capacity, sizeof *c->ages) ||
+		!grow_column(&c->hints, n, capacity, sizeof *c->hints) ||
+		!grow_column(&c->attributes, n, capacity, sizeof *c->attributes))
 		return false;
 	c->capacity = capacity;
 	return true;
@@ -99,8 +106,15 @@ static char *join(const eskel_attribute *attribute, size_t *size)
 	return joined;
 }
 
-static bool take_attributes(esk_catalogue *c, const eskel_description *d, attributes **taken)
+/* One of 32 bits, so that most rows without an attribute are passed over by a column. */
+static uint32_t hint_of(uint32_t symbol)
 {
+	return UINT32_C(1) << symbol % 32;
+}
+
+static bool take_attributes(esk_catalogue *c, const eskel_description *d, uint32_t *hints, attributes **taken)
+{
+	*hints = 0;
 	if (!d->attribute_count)
 		return true;
 	attributes *all = malloc(sizeof *all + d->attribute_count * sizeof all->symbols[0]);
@@ -114,6 +128,7 @@ static bool take_attributes(esk_catalogue *c, const eskel_description *d, attrib
 		free(joined);
 		if (!good)
 			return false;
+		*hints |= hint_of(all->symbols[all->count]);
 	}
 	return true;
 }
@@ -125,7 +140,7 @@ static bool set_row(esk_catalogue *c, size_t row, const eskel_description *d)
 	c->sexes[row] = (uint8_t)d->sex;
 	c->ages[row] = d->age;
 	return take_text(c, d->class, &c->classes[row]) && take_text(c, d->subject, &c->subjects[row]) &&
-	       take_attributes(c, d, &c->attributes[row]);
+	       take_attributes(c, d, &c->hints[row], &c->attributes[row]);
 }
 
 static void move_row(esk_catalogue *c, size_t from, size_t to)
@@ -137,6 +152,7 @@ static void move_row(esk_catalogue *c, size_t from, size_t to)
 	c->classes[to] = c->classes[from];
 	c->subjects[to] = c->subjects[from];
 	c->ages[to] = c->ages[from];
+	c->hints[to] = c->hints[from];
 	c->attributes[to] = c->attributes[from];
 }
 
@@ -146,6 +162,7 @@ static void bury(esk_catalogue *c)
 	for (size_t row = 0; row < c->count; row++)
 		if (c->live[row])
 			move_row(c, row, kept++);
+	memset(c->live + kept, 0, (c->count - kept) * sizeof *c->live);
 	c->count = kept;
 	c->dead = 0;
 }
@@ -154,7 +171,7 @@ static void bury(esk_catalogue *c)
 
 typedef struct {
 	const eskel_filter *filter;
-	uint32_t class, subject, not_subject;
+	uint32_t class, subject, not_subject, hints;
 	uint32_t attributes[]; /* attribute_count of the filter */
 } condition;
 
@@ -173,6 +190,7 @@ static bool find_attributes(const esk_catalogue *c, condition *made, bool *possi
 		if (!joined)
 			return false;
 		made->attributes[i] = esk_symbol_find(&c->symbols, joined, size);
+		made->hints |= hint_of(made->attributes[i]);
 		*possible = *possible && made->attributes[i];
 		free(joined);
 	}
@@ -202,49 +220,91 @@ static bool has(const attributes *all, uint32_t symbol)
 	return false;
 }
 
-enum { BLOCK = 1024 };
+enum { AT_ONCE = 64 };
 
-/* Which of up to BLOCK rows from first on fit: a loop a condition, which compilers turn into vector code. */
-static void test_block(const esk_catalogue *c, const condition *of, size_t first, size_t count, bool fits[BLOCK])
+static void keep_symbol(uint8_t *restrict fits, const uint32_t *restrict symbols, uint32_t symbol)
+{
+	for (size_t i = 0; i < AT_ONCE; i++)
+		fits[i] &= symbols[i] == symbol;
+}
+
+static void keep_others(uint8_t *restrict fits, const uint32_t *restrict symbols, uint32_t symbol)
+{
+	for (size_t i = 0; i < AT_ONCE; i++)
+		fits[i] &= symbols[i] != symbol;
+}
+
+static void keep_name(uint8_t *restrict fits, const uint8_t *restrict names, uint8_t name)
+{
+	for (size_t i = 0; i < AT_ONCE; i++)
+		fits[i] &= names[i] == name;
+}
+
+static void keep_ages(uint8_t *restrict fits, const double *restrict ages, double least, double most)
+{
+	for (size_t i = 0; i < AT_ONCE; i++)
+		fits[i] &= (uint8_t)((ages[i] >= least) & (ages[i] <= most));
+}
+
+static void keep_hints(uint8_t *restrict fits, const uint32_t *restrict hints, uint32_t wanted)
+{
+	for (size_t i = 0; i < AT_ONCE; i++)
+		fits[i] &= (hints[i] & wanted) == wanted;
+}
+
+/* Which of AT_ONCE rows from first on may fit, a byte for each: a loop a condition, which compilers turn into vector code. */
+static void test_columns(const esk_catalogue *c, const condition *of, size_t first, uint8_t fits[AT_ONCE])
 {
 	const eskel_filter *f = of->filter;
-	memcpy(fits, c->live + first, count * sizeof *fits);
+	memcpy(fits, c->live + first, AT_ONCE * sizeof *fits);
 	if (f->class)
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->classes[first + i] == of->class;
+		keep_symbol(fits, c->classes + first, of->class);
 	if (f->subject)
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->subjects[first + i] == of->subject;
+		keep_symbol(fits, c->subjects + first, of->subject);
 	if (of->not_subject)
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->subjects[first + i] != of->not_subject;
+		keep_others(fits, c->subjects + first, of->not_subject);
 	if (f->side)
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->sides[first + i] == f->side;
+		keep_name(fits, c->sides + first, (uint8_t)f->side);
 	if (f->sex)
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->sexes[first + i] == f->sex;
-	if (!isnan(f->age_min))
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->ages[first + i] >= f->age_min;
-	if (!isnan(f->age_max))
-		for (size_t i = 0; i < count; i++)
-			fits[i] &= c->ages[first + i] <= f->age_max;
-	for (size_t a = 0; a < f->attribute_count; a++)
-		for (size_t i = 0; i < count; i++)
-			fits[i] = fits[i] && has(c->attributes[first + i], of->attributes[a]);
+		keep_name(fits, c->sexes + first, (uint8_t)f->sex);
+	if (!isnan(f->age_min) || !isnan(f->age_max))
+		keep_ages(fits, c->ages + first, isnan(f->age_min) ? -INFINITY : f->age_min,
+			isnan(f->age_max) ? INFINITY : f->age_max);
+	if (f->attribute_count)
+		keep_hints(fits, c->hints + first, of->hints);
+}
+
+/* Bytes, each 0 or 1, as bits. Of eight at once: byte i, at 2^(8i), is moved to 2^(56 + i) by the factor's 2^(56 - 7i), and
+ * no two of the products share a place. */
+static uint64_t bits_of(const uint8_t bytes[AT_ONCE])
+{
+	uint64_t bits = 0;
+	for (unsigned at = 0; at < AT_ONCE; at += 8) {
+		uint64_t eight;
+		memcpy(&eight, bytes + at, sizeof eight);
+		bits |= (le64toh(eight) * 0x0102040810204080 >> 56) << at;
+	}
+	return bits;
+}
+
+static bool has_all(const attributes *all, const condition *of)
+{
+	for (size_t a = 0; a < of->filter->attribute_count; a++)
+		if (!has(all, of->attributes[a]))
+			return false;
+	return true;
 }
 
 static size_t collect(const esk_catalogue *c, const condition *of, int64_t *keys)
 {
-	bool fits[BLOCK];
+	uint8_t fits[AT_ONCE];
 	size_t found = 0;
-	for (size_t first = 0; first < c->count; first += BLOCK) {
-		size_t count = c->count - first < BLOCK ? c->count - first : BLOCK;
-		test_block(c, of, first, count, fits);
-		for (size_t i = 0; i < count; i++) {
-			keys[found] = c->keys[first + i];
-			found += fits[i];
+	for (size_t first = 0; first < c->count; first += AT_ONCE) {
+		test_columns(c, of, first, fits);
+		for (uint64_t left = bits_of(fits); left; left &= left - 1) {
+			const size_t row = first + (size_t)__builtin_ctzll(left);
+			keys[found] = c->keys[row];
+			found += has_all(c->attributes[row], of);
 		}
 	}
 	return found;
@@ -355,6 +415,7 @@ void esk_catalogue_free(esk_catalogue *catalogue)
 	free(c->classes);
 	free(c->subjects);
 	free(c->ages);
+	free(c->hints);
 	free(c->attributes);
 	pthread_rwlock_destroy(&c->lock);
 	free(c);
