@@ -12,7 +12,7 @@ bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *ch
 	const eskel_filter filter = esk_parameters_filter(query);
 	if (eskel_filter_is_none(&filter))
 		return true;
-	eskel_store_status status = eskel_store_keys(api->store, &filter, &choice->keys, &choice->count, &error);
+	eskel_store_status status = eskel_store_keys(api->store, &filter, &choice->keys, &choice->block_count, &error);
 	if (!esk_problem_store(problem, status, &error))
 		return false;
 	/* No keys at all must not look like no choice. */
@@ -40,7 +40,7 @@ static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice 
 	if (options->limit < ESK_VOTERS)
 		options->limit = ESK_VOTERS;
 	options->keys = choice->keys;
-	options->key_count = choice->count;
+	options->key_block_count = choice->block_count;
 	options->leave_out = unknown->shape->key != 0;
 	options->left_out_key = unknown->shape->key;
 	double start = now_in_milliseconds();

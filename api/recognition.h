@@ -18,8 +18,8 @@ typedef struct {
 
 /* What it is compared with: the keys that a filter leaves, or all. */
 typedef struct {
-	int64_t *keys; /* NULL: all */
-	size_t count;
+	eskel_key_block *keys; /* NULL: all */
+	size_t block_count;
 } esk_choice;
 
 typedef struct {

@@ -31,16 +31,18 @@ static size_t first_with_key(const wanted *sorted, size_t count, int64_t key)
 	return low;
 }
 
-static size_t find_sorted(
-	const esk_snapshot *snapshot, const wanted *sorted, const int64_t *keys, size_t count, const esk_shape **shapes)
+static size_t find_sorted(const esk_snapshot *snapshot, const wanted *sorted, size_t count, eskel_key_block *keys,
+	const esk_shape **shapes)
 {
-	size_t found = 0;
+	size_t found = 0, blocks = 0;
+	for (size_t n = 0; n < count; n++)
+		blocks = eskel_key_blocks_add(keys, blocks, sorted[n].key, 1);
 	for (uint32_t c = 0; c < snapshot->directory->chunk_count && found < count; c++) {
 		esk_chunk *chunk = snapshot->directory->chunks[c];
 		const uint32_t slots = esk_snapshot_slots(snapshot, c);
 		uint64_t visible[ESK_CHUNK_WORDS], among[ESK_CHUNK_WORDS];
 		esk_snapshot_visible(snapshot, c, visible);
-		esk_chunk_find(chunk, slots, keys, count, among);
+		esk_chunk_find(chunk, slots, keys, blocks, among);
 		for (uint32_t slot = 0; slot < slots; slot++) {
 			if (!(visible[slot / 64] & among[slot / 64] & UINT64_C(1) << slot % 64))
 				continue;
@@ -55,19 +57,17 @@ static size_t find_sorted(
 static eskel_status find(const esk_snapshot *snapshot, const int64_t *keys, size_t count, const esk_shape ***shapes)
 {
 	wanted *sorted = esk_memory_array(count, sizeof *sorted);
-	int64_t *ascending = esk_memory_array(count, sizeof *ascending);
+	eskel_key_block *blocks = esk_memory_array(count, sizeof *blocks);
 	const esk_shape **made = esk_memory_array(count, sizeof *made);
-	eskel_status status = sorted && ascending && made ? ESKEL_OK : ESKEL_NO_MEMORY;
+	eskel_status status = sorted && blocks && made ? ESKEL_OK : ESKEL_NO_MEMORY;
 	for (size_t n = 0; status == ESKEL_OK && n < count; n++)
 		sorted[n] = (wanted){keys[n], n};
 	if (status == ESKEL_OK && count > 1)
 		qsort(sorted, count, sizeof *sorted, by_key);
-	for (size_t n = 0; status == ESKEL_OK && n < count; n++)
-		ascending[n] = sorted[n].key;
-	if (status == ESKEL_OK && find_sorted(snapshot, sorted, ascending, count, made) < count)
+	if (status == ESKEL_OK && find_sorted(snapshot, sorted, count, blocks, made) < count)
 		status = ESKEL_NOT_FOUND;
 	free(sorted);
-	free(ascending);
+	free(blocks);
 	if (status != ESKEL_OK) {
 		free(made);
 		return status;

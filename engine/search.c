@@ -3,9 +3,11 @@
  * It sees the library as it was when the search began (snapshot.h). */
 #include "search.h"
 
+#include "lanes.h"
 #include "library.h"
 #include "memory.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,12 +21,14 @@ static void choose_slots(
 	uint64_t found[ESK_CHUNK_WORDS];
 	esk_snapshot_visible(snapshot, c, slots);
 	if (options->keys) {
-		esk_chunk_find(chunk, esk_snapshot_slots(snapshot, c), options->keys, options->key_count, found);
+		esk_chunk_find(chunk, esk_snapshot_slots(snapshot, c), options->keys, options->key_block_count, found);
 		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
 			slots[word] &= found[word];
 	}
 	if (options->leave_out) {
-		esk_chunk_find(chunk, esk_snapshot_slots(snapshot, c), &options->left_out_key, 1, found);
+		eskel_key_block out[2];
+		const size_t blocks = eskel_key_blocks_add(out, 0, options->left_out_key, 1);
+		esk_chunk_find(chunk, esk_snapshot_slots(snapshot, c), out, blocks, found);
 		for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
 			slots[word] &= ~found[word];
 	}
@@ -45,6 +49,15 @@ static eskel_status choose_participants(esk_search *search, const eskel_search_o
 			search->participant_count += (size_t)__builtin_popcountll(search->participants[c][word]);
 	}
 	return ESKEL_OK;
+}
+
+ESK_EVERY_WIDTH void esk_search_leave_out(const esk_search *search, uint32_t chunk, float numbers[ESK_CHUNK_SLOTS])
+{
+	for (uint32_t slot = 0; slot < ESK_CHUNK_SLOTS; slot += 32) {
+		const uint32_t in = (uint32_t)(search->participants[chunk][slot / 64] >> slot % 64);
+		for (size_t i = 0; in != UINT32_MAX && i < 32; i++)
+			numbers[slot + i] = in >> i & 1 ? numbers[slot + i] : INFINITY;
+	}
 }
 
 void esk_search_answer(esk_search *search, uint32_t id, double distance, const double *levels)

@@ -33,12 +33,7 @@ static inline bool esk_search_takes_any(const esk_search *search, uint32_t chunk
 }
 
 /* Makes the numbers of all slots infinite that do not take part, those included that hold no shape. */
-static inline void esk_search_leave_out(const esk_search *search, uint32_t chunk, float numbers[ESK_CHUNK_SLOTS])
-{
-	for (uint32_t word = 0; word < ESK_CHUNK_WORDS; word++)
-		for (uint64_t out = ~search->participants[chunk][word]; out; out &= out - 1)
-			numbers[word * 64 + (uint32_t)__builtin_ctzll(out)] = INFINITY;
-}
+void esk_search_leave_out(const esk_search *search, uint32_t chunk, float numbers[ESK_CHUNK_SLOTS]);
 
 /* Notes how many shapes a step has left in. */
 static inline void esk_search_end_step(esk_search *search, size_t kept)

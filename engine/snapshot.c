@@ -1,8 +1,8 @@
 #include "snapshot.h"
 
+#include "key_blocks.h"
 #include "memory.h"
 
-#include <endian.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,91 +78,20 @@ void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk_index, ui
 			slots[slot / 64] &= ~(UINT64_C(1) << slot % 64);
 }
 
-/* The first of ascending keys from begin on that is not below key. It gallops, because the next is mostly near. */
-static size_t advance(const int64_t *keys, size_t count, size_t begin, int64_t key)
-{
-	size_t low = begin, step = 1;
-	while (step <= count - low && keys[low + step - 1] < key) {
-		low += step;
-		step *= 2;
-	}
-	size_t high = step <= count - low ? low + step - 1 : count;
-	while (low < high) {
-		size_t middle = low + (high - low) / 2;
-		if (keys[middle] < key)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low;
-}
-
-static inline void set(uint64_t *slots, size_t slot, bool found)
-{
-	slots[slot / 64] |= (uint64_t)found << slot % 64;
-}
-
-/* Eight bytes, each 0 or 1, as bits. Byte i, at 2^(8i), is moved to 2^(56 + i) by the factor's 2^(56 - 7i), and no two of the
- * products share a place. */
-static uint64_t gather_bits(const uint8_t bytes[8])
-{
-	uint64_t eight;
-	memcpy(&eight, bytes, sizeof eight);
-	return le64toh(eight) * 0x0102040810204080 >> 56;
-}
-
-enum { LONGEST_SPAN = 4 * ESK_CHUNK_SLOTS };
-
-/* Sets the slots of keys, which lie in the span that begins with the first of theirs: a key marks its place in the span, and
- * each slot looks at that of its own. Nothing branches on what is there, which could not be foreseen. Where their keys follow
- * one another, as those of a database mostly do, a slot is a place. */
-static void mark(const int64_t *their_keys, uint32_t slot_count, size_t span, const int64_t *keys, size_t key_count,
-	uint64_t *slots)
-{
-	uint8_t marks[LONGEST_SPAN + ESK_CHUNK_SLOTS] = {0}, *of_slots = marks;
-	for (size_t at = 0; at < key_count; at++)
-		marks[keys[at] - their_keys[0]] = 1;
-	if (span > slot_count) {
-		of_slots = marks + LONGEST_SPAN;
-		for (size_t slot = 0; slot < slot_count; slot++)
-			of_slots[slot] = marks[their_keys[slot] - their_keys[0]];
-	}
-	for (size_t slot = 0; slot < slot_count; slot += 8)
-		slots[slot / 64] |= gather_bits(of_slots + slot) << slot % 64;
-}
-
-/* Sets the slots of keys that are there; both lists ascend, and the keys are none below the first or above the last of
- * theirs. */
-static void find_ascending(
-	const int64_t *their_keys, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t *slots)
-{
-	const uint64_t span = (uint64_t)their_keys[slot_count - 1] - (uint64_t)their_keys[0];
-	if (8 * key_count >= slot_count && span < LONGEST_SPAN) {
-		mark(their_keys, slot_count, (size_t)span + 1, keys, key_count, slots);
-		return;
-	}
-	for (size_t at = 0, slot = 0; at < key_count; at++) {
-		slot = advance(their_keys, slot_count, slot, keys[at]);
-		set(slots, slot, their_keys[slot] == keys[at]);
-	}
-}
-
 /* The writer may add to the ascending keys meanwhile; those that were there stay so. The others are looked up one by one. */
-void esk_chunk_find(
-	esk_chunk *chunk, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t slots[ESK_CHUNK_WORDS])
+void esk_chunk_find(esk_chunk *chunk, uint32_t slot_count, const eskel_key_block *keys, size_t block_count,
+	uint64_t slots[ESK_CHUNK_WORDS])
 {
 	const uint32_t noted = atomic_load_explicit(&chunk->ascending, memory_order_relaxed);
 	const uint32_t ascending = noted < slot_count ? noted : slot_count;
+	size_t at = 0;
 	memset(slots, 0, ESK_CHUNK_WORDS * sizeof *slots);
-	if (ascending > 0) {
-		const int64_t greatest = chunk->keys[ascending - 1];
-		const size_t first = advance(keys, key_count, 0, chunk->keys[0]);
-		const size_t last = advance(keys, key_count, first, greatest);
-		const bool one_more = last < key_count && keys[last] == greatest;
-		find_ascending(chunk->keys, ascending, keys + first, last + one_more - first, slots);
+	for (uint32_t slot = 0; slot < ascending; slot += 64) {
+		const uint32_t count = ascending - slot < 64 ? ascending - slot : 64;
+		slots[slot / 64] = esk_key_blocks_find(keys, block_count, &at, chunk->keys + slot, count);
 	}
-	for (size_t slot = ascending; slot < slot_count; slot++) {
-		const size_t at = advance(keys, key_count, 0, chunk->keys[slot]);
-		set(slots, slot, at < key_count && keys[at] == chunk->keys[slot]);
+	for (uint32_t slot = ascending; slot < slot_count; slot++) {
+		at = 0;
+		slots[slot / 64] |= esk_key_blocks_find(keys, block_count, &at, chunk->keys + slot, 1) << slot % 64;
 	}
 }

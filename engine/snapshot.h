@@ -74,9 +74,9 @@ static inline uint32_t esk_snapshot_slots(const esk_snapshot *snapshot, uint32_t
 /* Sets bit s for each slot that holds a shape of the snapshot. */
 void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk, uint64_t slots[ESK_CHUNK_WORDS]);
 
-/* Sets bit s for each of the first slot_count slots whose key is among the ascending keys. */
-void esk_chunk_find(
-	esk_chunk *chunk, uint32_t slot_count, const int64_t *keys, size_t key_count, uint64_t slots[ESK_CHUNK_WORDS]);
+/* Sets bit s for each of the first slot_count slots whose key is among these. */
+void esk_chunk_find(esk_chunk *chunk, uint32_t slot_count, const eskel_key_block *keys, size_t block_count,
+	uint64_t slots[ESK_CHUNK_WORDS]);
 
 /* A shape's number within the snapshot; within its directory, too. */
 static inline uint32_t esk_snapshot_id(uint32_t chunk, uint32_t slot)

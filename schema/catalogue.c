@@ -15,6 +15,9 @@ typedef struct {
 	uint32_t symbols[]; /* of key and value together */
 } attributes;
 
+enum { FEW = 4 };
+static const uint32_t MORE = UINT32_MAX; /* no symbol: so many texts do not fit into memory */
+
 struct esk_catalogue {
 	pthread_rwlock_t lock;
 	bool whole;
@@ -25,7 +28,7 @@ struct esk_catalogue {
 	uint8_t *sides, *sexes;
 	uint32_t *classes, *subjects;
 	double *ages;
-	uint32_t *hints;         /* the bits hint_of the attributes */
+	uint32_t *few[FEW];      /* the attributes, if there are no more than these; else the last is MORE */
 	attributes **attributes; /* NULL: none */
 };
 
@@ -55,9 +58,11 @@ static bool reserve(esk_catalogue *c)
 		!grow_column(&c->classes, n, capacity, sizeof *c->classes) ||
 		!grow_column(&c->subjects, n, capacity, sizeof *c->subjects) ||
 		!grow_column(&c->ages, n, capacity, sizeof *c->ages) ||
-		!grow_column(&c->hints, n, capacity, sizeof *c->hints) ||
 		!grow_column(&c->attributes, n, capacity, sizeof *c->attributes))
 		return false;
+	for (int i = 0; i < FEW; i++)
+		if (!grow_column(&c->few[i], n, capacity, sizeof *c->few[i]))
+			return false;
 	c->capacity = capacity;
 	return true;
 }
@@ -106,15 +111,8 @@ static char *join(const eskel_attribute *attribute, size_t *size)
 	return joined;
 }
 
-/* One of 32 bits, so that most rows without an attribute are passed over by a column. */
-static uint32_t hint_of(uint32_t symbol)
+static bool take_attributes(esk_catalogue *c, const eskel_description *d, attributes **taken)
 {
-	return UINT32_C(1) << symbol % 32;
-}
-
-static bool take_attributes(esk_catalogue *c, const eskel_description *d, uint32_t *hints, attributes **taken)
-{
-	*hints = 0;
 	if (!d->attribute_count)
 		return true;
 	attributes *all = malloc(sizeof *all + d->attribute_count * sizeof all->symbols[0]);
@@ -128,9 +126,17 @@ static bool take_attributes(esk_catalogue *c, const eskel_description *d, uint32
 		free(joined);
 		if (!good)
 			return false;
-		*hints |= hint_of(all->symbols[all->count]);
 	}
 	return true;
+}
+
+static void set_few(esk_catalogue *c, size_t row)
+{
+	const attributes *all = c->attributes[row];
+	for (uint32_t i = 0; i < FEW; i++)
+		c->few[i][row] = all && i < all->count ? all->symbols[i] : ESK_SYMBOL_NONE;
+	if (all && all->count > FEW)
+		c->few[FEW - 1][row] = MORE;
 }
 
 /* Into an empty row. */
@@ -139,8 +145,10 @@ static bool set_row(esk_catalogue *c, size_t row, const eskel_description *d)
 	c->sides[row] = (uint8_t)d->side;
 	c->sexes[row] = (uint8_t)d->sex;
 	c->ages[row] = d->age;
-	return take_text(c, d->class, &c->classes[row]) && take_text(c, d->subject, &c->subjects[row]) &&
-	       take_attributes(c, d, &c->hints[row], &c->attributes[row]);
+	const bool good = take_text(c, d->class, &c->classes[row]) && take_text(c, d->subject, &c->subjects[row]) &&
+			  take_attributes(c, d, &c->attributes[row]);
+	set_few(c, row);
+	return good;
 }
 
 static void move_row(esk_catalogue *c, size_t from, size_t to)
@@ -152,7 +160,8 @@ static void move_row(esk_catalogue *c, size_t from, size_t to)
 	c->classes[to] = c->classes[from];
 	c->subjects[to] = c->subjects[from];
 	c->ages[to] = c->ages[from];
-	c->hints[to] = c->hints[from];
+	for (int i = 0; i < FEW; i++)
+		c->few[i][to] = c->few[i][from];
 	c->attributes[to] = c->attributes[from];
 }
 
@@ -171,7 +180,7 @@ static void bury(esk_catalogue *c)
 
 typedef struct {
 	const eskel_filter *filter;
-	uint32_t class, subject, not_subject, hints;
+	uint32_t class, subject, not_subject;
 	uint32_t attributes[]; /* attribute_count of the filter */
 } condition;
 
@@ -190,7 +199,6 @@ static bool find_attributes(const esk_catalogue *c, condition *made, bool *possi
 		if (!joined)
 			return false;
 		made->attributes[i] = esk_symbol_find(&c->symbols, joined, size);
-		made->hints |= hint_of(made->attributes[i]);
 		*possible = *possible && made->attributes[i];
 		free(joined);
 	}
@@ -246,10 +254,13 @@ static void keep_ages(uint8_t *restrict fits, const double *restrict ages, doubl
 		fits[i] &= (uint8_t)((ages[i] >= least) & (ages[i] <= most));
 }
 
-static void keep_hints(uint8_t *restrict fits, const uint32_t *restrict hints, uint32_t wanted)
+static void keep_attribute(const esk_catalogue *c, uint8_t *restrict fits, size_t first, uint32_t symbol)
 {
+	const uint32_t *restrict a = c->few[0] + first, *restrict b = c->few[1] + first;
+	const uint32_t *restrict d = c->few[2] + first, *restrict e = c->few[3] + first;
 	for (size_t i = 0; i < AT_ONCE; i++)
-		fits[i] &= (hints[i] & wanted) == wanted;
+		fits[i] &= (uint8_t)((a[i] == symbol) | (b[i] == symbol) | (d[i] == symbol) | (e[i] == symbol) |
+				     (e[i] == MORE));
 }
 
 /* Which of AT_ONCE rows from first on may fit, a byte for each: a loop a condition, which compilers turn into vector code. */
@@ -270,8 +281,8 @@ static void test_columns(const esk_catalogue *c, const condition *of, size_t fir
 	if (!isnan(f->age_min) || !isnan(f->age_max))
 		keep_ages(fits, c->ages + first, isnan(f->age_min) ? -INFINITY : f->age_min,
 			isnan(f->age_max) ? INFINITY : f->age_max);
-	if (f->attribute_count)
-		keep_hints(fits, c->hints + first, of->hints);
+	for (size_t a = 0; a < f->attribute_count; a++)
+		keep_attribute(c, fits, first, of->attributes[a]);
 }
 
 /* Bytes, each 0 or 1, as bits. Of eight at once: byte i, at 2^(8i), is moved to 2^(56 + i) by the factor's 2^(56 - 7i), and
@@ -287,49 +298,68 @@ static uint64_t bits_of(const uint8_t bytes[AT_ONCE])
 	return bits;
 }
 
-static bool has_all(const attributes *all, const condition *of)
+/* Of these AT_ONCE rows those that do have the attributes: where there are more than columns, all are looked at. */
+static uint64_t keep_attributes(const esk_catalogue *c, const condition *of, size_t first, uint64_t fits)
 {
-	for (size_t a = 0; a < of->filter->attribute_count; a++)
-		if (!has(all, of->attributes[a]))
-			return false;
-	return true;
-}
-
-static size_t collect(const esk_catalogue *c, const condition *of, int64_t *keys)
-{
-	uint8_t fits[AT_ONCE];
-	size_t found = 0;
-	for (size_t first = 0; first < c->count; first += AT_ONCE) {
-		test_columns(c, of, first, fits);
-		for (uint64_t left = bits_of(fits); left; left &= left - 1) {
-			const size_t row = first + (size_t)__builtin_ctzll(left);
-			keys[found] = c->keys[row];
-			found += has_all(c->attributes[row], of);
-		}
+	uint8_t more[AT_ONCE];
+	memset(more, 1, sizeof more);
+	keep_symbol(more, c->few[FEW - 1] + first, MORE);
+	for (uint64_t left = fits & bits_of(more); left; left &= left - 1) {
+		const attributes *all = c->attributes[first + (size_t)__builtin_ctzll(left)];
+		for (size_t a = 0; a < of->filter->attribute_count; a++)
+			if (!has(all, of->attributes[a]))
+				fits &= ~(left & -left);
 	}
-	return found;
+	return fits;
 }
 
-/* The caller has the lock. */
-static bool find_keys(const esk_catalogue *c, const eskel_filter *filter, int64_t **keys, size_t *count)
+/* Adds the keys of count rows that fit; keys that follow one another, as they mostly do, at once. */
+static size_t add_keys(const int64_t *row_keys, size_t count, uint64_t fits, eskel_key_block *keys, size_t block_count)
+{
+	if ((uint64_t)row_keys[count - 1] - (uint64_t)row_keys[0] == count - 1)
+		return eskel_key_blocks_add(keys, block_count, row_keys[0], fits);
+	for (uint64_t left = fits; left; left &= left - 1)
+		block_count = eskel_key_blocks_add(keys, block_count, row_keys[__builtin_ctzll(left)], 1);
+	return block_count;
+}
+
+static size_t collect(const esk_catalogue *c, const condition *of, eskel_key_block *keys)
+{
+	uint8_t bytes[AT_ONCE];
+	size_t blocks = 0;
+	for (size_t first = 0; first < c->count; first += AT_ONCE) {
+		const size_t count = c->count - first < AT_ONCE ? c->count - first : AT_ONCE;
+		test_columns(c, of, first, bytes);
+		uint64_t fits = bits_of(bytes);
+		if (fits && of->filter->attribute_count)
+			fits = keep_attributes(c, of, first, fits);
+		if (fits)
+			blocks = add_keys(c->keys + first, count, fits, keys, blocks);
+	}
+	return blocks;
+}
+
+/* The caller has the lock. A key needs no more than a block. */
+static bool find_keys(const esk_catalogue *c, const eskel_filter *filter, eskel_key_block **keys, size_t *block_count)
 {
 	bool possible = true;
 	condition *of = make_condition(c, filter, &possible);
-	int64_t *found = of ? malloc((c->count + 1) * sizeof *found) : NULL;
+	eskel_key_block *found = of ? malloc((c->count + 1) * sizeof *found) : NULL;
 	if (found) {
-		*count = possible ? collect(c, of, found) : 0;
+		*block_count = possible ? collect(c, of, found) : 0;
 		*keys = found;
 	}
 	free(of);
 	return found;
 }
 
-bool esk_catalogue_keys(esk_catalogue *catalogue, const eskel_filter *filter, int64_t **keys, size_t *count)
+bool esk_catalogue_keys(
+	esk_catalogue *catalogue, const eskel_filter *filter, eskel_key_block **keys, size_t *block_count)
 {
 	if (!catalogue || filter->text)
 		return false;
 	pthread_rwlock_rdlock(&catalogue->lock);
-	bool good = catalogue->whole && find_keys(catalogue, filter, keys, count);
+	bool good = catalogue->whole && find_keys(catalogue, filter, keys, block_count);
 	pthread_rwlock_unlock(&catalogue->lock);
 	return good;
 }
@@ -415,7 +445,8 @@ void esk_catalogue_free(esk_catalogue *catalogue)
 	free(c->classes);
 	free(c->subjects);
 	free(c->ages);
-	free(c->hints);
+	for (int i = 0; i < FEW; i++)
+		free(c->few[i]);
 	free(c->attributes);
 	pthread_rwlock_destroy(&c->lock);
 	free(c);

@@ -19,9 +19,10 @@ void esk_catalogue_free(esk_catalogue *catalogue);
 void esk_catalogue_put(esk_catalogue *catalogue, int64_t key, const eskel_description *description);
 void esk_catalogue_remove(esk_catalogue *catalogue, int64_t key);
 
-/* The ascending keys of the shapes that a filter leaves; free() them, not NULL when there are none. False for a filter that
+/* The keys of the shapes that a filter leaves; free() them, not NULL when there are none. False for a filter that
  * looks for text, after memory ran out, and for NULL: ask the database. */
-bool esk_catalogue_keys(esk_catalogue *catalogue, const eskel_filter *filter, int64_t **keys, size_t *count);
+bool esk_catalogue_keys(
+	esk_catalogue *catalogue, const eskel_filter *filter, eskel_key_block **keys, size_t *block_count);
 
 /* False after memory ran out. */
 bool esk_catalogue_is_whole(esk_catalogue *catalogue);

@@ -116,19 +116,37 @@ static eskel_store_status find_keys(sqlite3 *db, const eskel_filter *filter, int
 	return ESKEL_STORE_OK;
 }
 
-eskel_store_status eskel_store_keys(
-	eskel_store *store, const eskel_filter *filter, int64_t **keys, size_t *count, eskel_store_error *error)
+static eskel_store_status pack(
+	const int64_t *keys, size_t count, eskel_key_block **blocks, size_t *block_count, eskel_store_error *error)
 {
+	eskel_key_block *packed = malloc((count + 1) * sizeof *packed);
+	if (!packed)
+		return esk_status_fail(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
+	*block_count = 0;
+	for (size_t i = 0; i < count; i++)
+		*block_count = eskel_key_blocks_add(packed, *block_count, keys[i], 1);
+	*blocks = packed;
+	return ESKEL_STORE_OK;
+}
+
+eskel_store_status eskel_store_keys(eskel_store *store, const eskel_filter *filter, eskel_key_block **keys,
+	size_t *block_count, eskel_store_error *error)
+{
+	int64_t *found = NULL;
+	size_t count = 0;
 	sqlite3 *db = NULL;
 	eskel_store_status status = check(filter, error);
-	if (status == ESKEL_STORE_OK && esk_catalogue_keys(store->catalogue, filter, keys, count))
+	if (status == ESKEL_STORE_OK && esk_catalogue_keys(store->catalogue, filter, keys, block_count))
 		return ESKEL_STORE_OK;
 	if (status == ESKEL_STORE_OK)
 		status = esk_read_begin(store, &db, error);
 	if (status != ESKEL_STORE_OK)
 		return status;
-	status = find_keys(db, filter, INT64_MIN, -1, keys, count, error);
+	status = find_keys(db, filter, INT64_MIN, -1, &found, &count, error);
 	esk_read_end(store, db);
+	if (status == ESKEL_STORE_OK)
+		status = pack(found, count, keys, block_count, error);
+	free(found);
 	return status;
 }
 

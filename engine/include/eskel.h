@@ -318,6 +318,16 @@ ESKEL_API size_t eskel_library_count(const eskel_library *library);
 ESKEL_API eskel_status eskel_library_distances(const eskel_library *library, const int64_t *rows, size_t row_count,
 	const int64_t *columns, size_t column_count, const eskel_distance_options *options, double *distances);
 
+/* A set of keys is an array of these: bit i of members is set when it holds the key first + i. */
+typedef struct {
+	int64_t first;                  /* a multiple of 64; ascends from block to block */
+	uint64_t members;
+} eskel_key_block;
+
+/* Adds key + i for each bit i of members, to a set with none above the least of them, and returns how many blocks there are
+ * then: never more than keys. */
+ESKEL_API size_t eskel_key_blocks_add(eskel_key_block *blocks, size_t count, int64_t key, uint64_t members);
+
 /* exact finds what comparing with every shape would find; pruned is the paper's: the nearest tenth at each level (keep),
  * never fewer than 10 (minimum) or than are wanted, then full depth, and may miss the nearest. */
 typedef enum { ESKEL_SEARCH_EXACT, ESKEL_SEARCH_PRUNED } eskel_search_mode;
@@ -328,8 +338,8 @@ typedef struct {
 	double keep;                    /* pruned: the share that a level keeps, above 0 to 1; default 0.1 */
 	size_t minimum;                 /* pruned: the fewest that a level keeps; default 10 */
 	size_t limit;                   /* neighbours wanted; default 5 */
-	const int64_t *keys;            /* ascending: compare with these only (a filter's answer); NULL: all */
-	size_t key_count;
+	const eskel_key_block *keys;    /* compare with these only (a filter's answer); NULL: all */
+	size_t key_block_count;
 	bool leave_out;                 /* leave out the shape with this key (a stored shape's own) */
 	int64_t left_out_key;
 } eskel_search_options;

@@ -410,20 +410,17 @@ static void a_filter_and_a_left_out_key_decide_who_takes_part(void **state)
 	(void)state;
 	shelf s = make_shelf(900, 30, 0.2, 3);
 	/* Every third shape, and keys that no shape has. */
-	int64_t keys[700];
-	size_t key_count = 0;
-	keys[key_count++] = -50;
-	for (size_t n = 0; n < s.count; n += 3) {
-		keys[key_count++] = key_of(n);
-		keys[key_count++] = key_of(n) + 1;
-	}
+	eskel_key_block keys[700];
+	size_t blocks = eskel_key_blocks_add(keys, 0, -50, 1);
+	for (size_t n = 0; n < s.count; n += 3)
+		blocks = eskel_key_blocks_add(keys, blocks, key_of(n), 3);
 	for (int mode = 0; mode < 2; mode++)
 		for (int o = 0; o < combinations; o++) {
 			eskel_search_options options = {.distance = combination(o),
 				.mode = (eskel_search_mode)mode,
 				.limit = 400,
 				.keys = keys,
-				.key_count = key_count,
+				.key_block_count = blocks,
 				.leave_out = true,
 				.left_out_key = key_of(6)};
 			eskel_search_result *result = search(&s, s.signatures[6], &options);
@@ -440,7 +437,7 @@ static void a_filter_and_a_left_out_key_decide_who_takes_part(void **state)
 			free(expected);
 		}
 	eskel_search_result *result =
-		search(&s, s.signatures[0], &(eskel_search_options){.keys = keys, .key_count = 1});
+		search(&s, s.signatures[0], &(eskel_search_options){.keys = keys, .key_block_count = 1});
 	assert_int_equal(result->library, 0);
 	assert_int_equal(result->count, 0);
 	assert_true(result->proven);

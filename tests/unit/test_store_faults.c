@@ -172,9 +172,11 @@ static void a_list_that_runs_out_of_memory_anywhere_can_be_repeated(void **state
 
 static size_t found_count(store_fixture *f, const eskel_filter *filter)
 {
-	int64_t *keys = NULL;
-	size_t count = 0;
-	assert_ok(eskel_store_keys(f->store, filter, &keys, &count, &f->error), f);
+	eskel_key_block *keys = NULL;
+	size_t blocks = 0, count = 0;
+	assert_ok(eskel_store_keys(f->store, filter, &keys, &blocks, &f->error), f);
+	for (size_t i = 0; i < blocks; i++)
+		count += (size_t)__builtin_popcountll(keys[i].members);
 	free(keys);
 	return count;
 }

@@ -40,10 +40,12 @@ static void expect_found(arena *a, const char *class, size_t expected)
 {
 	eskel_store_error error = {0};
 	eskel_filter filter = eskel_filter_none();
-	int64_t *keys = NULL;
-	size_t count = 0;
+	eskel_key_block *keys = NULL;
+	size_t blocks = 0, count = 0;
 	filter.class = class;
-	eskel_store_status status = eskel_store_keys(a->store, &filter, &keys, &count, &error);
+	eskel_store_status status = eskel_store_keys(a->store, &filter, &keys, &blocks, &error);
+	for (size_t i = 0; i < blocks; i++)
+		count += (size_t)__builtin_popcountll(keys[i].members);
 	expect(a, status == ESKEL_STORE_OK && count == expected, "a filter after the call sees it", &error);
 	free(keys);
 }
