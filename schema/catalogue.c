@@ -339,12 +339,22 @@ static size_t collect(const esk_catalogue *c, const condition *of, eskel_key_blo
 	return blocks;
 }
 
-/* The caller has the lock. A key needs no more than a block. */
+/* A key needs no more than a block, nor do 64 that might lie between the first and the last. Room for all of them could be so
+ * much that it comes from the system anew, and goes back, with each filter. */
+static size_t most_blocks(const esk_catalogue *c)
+{
+	if (c->count == 0)
+		return 1;
+	const uint64_t between = ((uint64_t)c->keys[c->count - 1] - (uint64_t)c->keys[0]) / 64 + 2;
+	return between < c->count ? (size_t)between : c->count;
+}
+
+/* The caller has the lock. */
 static bool find_keys(const esk_catalogue *c, const eskel_filter *filter, eskel_key_block **keys, size_t *block_count)
 {
 	bool possible = true;
 	condition *of = make_condition(c, filter, &possible);
-	eskel_key_block *found = of ? malloc((c->count + 1) * sizeof *found) : NULL;
+	eskel_key_block *found = of ? malloc(most_blocks(c) * sizeof *found) : NULL;
 	if (found) {
 		*block_count = possible ? collect(c, of, found) : 0;
 		*keys = found;

@@ -31,7 +31,7 @@ atlases=/usr/share/mricron/templates # of mricron-data
 
 cmake -S . -B $folder -G Ninja -DCMAKE_BUILD_TYPE=Release -DESKEL_TESTS=ON >/dev/null
 cmake --build $folder --target eskeld bench_partition bench_skeleton bench_match bench_search bench_decode bench_enroll \
-	bench_inputs bench_fill -- --quiet
+	bench_filter bench_inputs bench_fill -- --quiet
 c++ -O2 $peers/matching.cpp -o $folder/peer_matching -llemon
 cc -O2 -D_GNU_SOURCE -I/usr/include/nifti $peers/decoding.c -o $folder/peer_decoding -lniftiio -lisal -lz
 
@@ -91,6 +91,7 @@ search() {
 		$ours/bench_search $shapes
 		/usr/bin/python3 $peers/faiss_flat.py $shapes
 	done
+	$ours/bench_filter 100000
 }
 
 decode() {
@@ -158,6 +159,7 @@ serve() {
 	ask serve/recognize-32-clients 32 8 recognize $inputs/met.ids >/dev/null
 	ask serve/recognize-32-clients 32 4 recognize $inputs/met.ids
 	ask serve/recognize-side-32-clients 32 4 recognize $inputs/met.ids '&side=left'
+	ask serve/recognize-class-32-clients 32 4 recognize $inputs/met.ids '&class=class1'
 	stop_server serve/recognize-32-clients
 	rm -f $folder/posts.db*
 	start_server $folder/posts.db
