@@ -58,8 +58,9 @@ static uint64_t members_of(const eskel_key_block *blocks, size_t count, size_t *
 	return *at < count && blocks[*at].first == first ? blocks[*at].members : 0;
 }
 
-/* Which of so many keys from this one on are in the set: in the block of the first, or also in the one that follows. */
-static uint64_t find_run(const eskel_key_block *blocks, size_t block_count, size_t *at, int64_t key, uint32_t count)
+/* In the block of the first, or also in the one that follows. */
+uint64_t esk_key_blocks_find_run(
+	const eskel_key_block *blocks, size_t block_count, size_t *at, int64_t key, uint32_t count)
 {
 	const int64_t first = first_of(key);
 	const unsigned place = place_of(key);
@@ -73,7 +74,7 @@ uint64_t esk_key_blocks_find(
 	const eskel_key_block *blocks, size_t block_count, size_t *at, const int64_t *keys, uint32_t count)
 {
 	if ((uint64_t)keys[count - 1] - (uint64_t)keys[0] == count - 1)
-		return find_run(blocks, block_count, at, keys[0], count);
+		return esk_key_blocks_find_run(blocks, block_count, at, keys[0], count);
 	uint64_t found = 0;
 	for (uint32_t i = 0; i < count; i++)
 		found |= (members_of(blocks, block_count, at, first_of(keys[i])) >> place_of(keys[i]) & 1) << i;

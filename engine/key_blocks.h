@@ -10,4 +10,8 @@
 uint64_t esk_key_blocks_find(
 	const eskel_key_block *blocks, size_t block_count, size_t *at, const int64_t *keys, uint32_t count);
 
+/* The same of keys that follow one another, from this one on. */
+uint64_t esk_key_blocks_find_run(
+	const eskel_key_block *blocks, size_t block_count, size_t *at, int64_t key, uint32_t count);
+
 #endif

@@ -78,20 +78,25 @@ void esk_snapshot_visible(const esk_snapshot *snapshot, uint32_t chunk_index, ui
 			slots[slot / 64] &= ~(UINT64_C(1) << slot % 64);
 }
 
-/* The writer may add to the ascending keys meanwhile; those that were there stay so. The others are looked up one by one. */
+/* The writer may add to the ascending keys meanwhile; those that were there stay so. Where all follow one another, as those of
+ * a database mostly do, only the first and the last are read. Keys that do not ascend are looked up one by one. */
 void esk_chunk_find(esk_chunk *chunk, uint32_t slot_count, const eskel_key_block *keys, size_t block_count,
 	uint64_t slots[ESK_CHUNK_WORDS])
 {
 	const uint32_t noted = atomic_load_explicit(&chunk->ascending, memory_order_relaxed);
 	const uint32_t ascending = noted < slot_count ? noted : slot_count;
+	const int64_t *theirs = chunk->keys;
+	const bool follow = ascending > 0 && (uint64_t)theirs[ascending - 1] - (uint64_t)theirs[0] == ascending - 1;
 	size_t at = 0;
 	memset(slots, 0, ESK_CHUNK_WORDS * sizeof *slots);
 	for (uint32_t slot = 0; slot < ascending; slot += 64) {
 		const uint32_t count = ascending - slot < 64 ? ascending - slot : 64;
-		slots[slot / 64] = esk_key_blocks_find(keys, block_count, &at, chunk->keys + slot, count);
+		slots[slot / 64] =
+			follow ? esk_key_blocks_find_run(keys, block_count, &at, theirs[0] + (int64_t)slot, count)
+			       : esk_key_blocks_find(keys, block_count, &at, theirs + slot, count);
 	}
 	for (uint32_t slot = ascending; slot < slot_count; slot++) {
 		at = 0;
-		slots[slot / 64] |= esk_key_blocks_find(keys, block_count, &at, chunk->keys + slot, 1) << slot % 64;
+		slots[slot / 64] |= esk_key_blocks_find(keys, block_count, &at, theirs + slot, 1) << slot % 64;
 	}
 }
