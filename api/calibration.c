@@ -162,15 +162,16 @@ static bool renew(esk_calibration *calibration, course *c, esk_problem *problem)
 {
 	const eskel_filter all = eskel_filter_none();
 	eskel_store_error error = {0};
-	int64_t *keys = NULL;
-	size_t count = 0;
-	eskel_store_status status = eskel_store_keys(calibration->api->store, &all, &keys, &count, &error);
+	eskel_key_block *stored = NULL;
+	size_t block_count = 0;
+	eskel_store_status status = eskel_store_keys(calibration->api->store, &all, &stored, &block_count, &error);
 	if (!esk_problem_store(problem, status, &error))
 		return false;
-	count = esk_sample_choose(keys, count, MOST_TRIALS);
+	int64_t keys[MOST_TRIALS];
+	const size_t count = esk_sample_choose(stored, block_count, MOST_TRIALS, keys);
+	free(stored);
 	esk_trial *trials = calloc(count + 1, sizeof *trials);
 	bool good = trials ? hold_trials(calibration, c, keys, count, trials, problem) : esk_problem_no_memory(problem);
-	free(keys);
 	if (!good) {
 		clear_trials(trials, count);
 		return false;

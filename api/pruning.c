@@ -70,16 +70,16 @@ static bool hold_trials(eskel_api *api, const eskel_search_options *options, esk
 {
 	const eskel_filter all = eskel_filter_none();
 	eskel_store_error error = {0};
-	int64_t *keys = NULL;
-	size_t count = 0, held = 0, lost = 0;
-	eskel_store_status status = eskel_store_keys(api->store, &all, &keys, &count, &error);
+	eskel_key_block *stored = NULL;
+	int64_t keys[MOST_TRIALS];
+	size_t block_count = 0, held = 0, lost = 0;
+	const size_t library = eskel_library_count(api->library);
+	eskel_store_status status = eskel_store_keys(api->store, &all, &stored, &block_count, &error);
 	bool good = esk_problem_store(problem, status, &error);
-	const size_t library = count;
-	if (good)
-		count = esk_sample_choose(keys, count, MOST_TRIALS);
+	const size_t count = good ? esk_sample_choose(stored, block_count, MOST_TRIALS, keys) : 0;
+	free(stored);
 	for (size_t i = 0; good && i < count; i++)
 		good = hold_trial(api, options, keys[i], &held, &lost, problem);
-	free(keys);
 	if (good)
 		*risk = (esk_risk){((double)lost + 0.5) / ((double)held + 1), held, library};
 	return good;

@@ -32,16 +32,30 @@ static void sift_down(int64_t *heap, size_t count, size_t i)
 	}
 }
 
-size_t esk_sample_choose(int64_t *keys, size_t count, size_t most)
+/* A heap of the keys sampled so far. */
+typedef struct {
+	int64_t *keys;
+	size_t count, most;
+} sample;
+
+static void offer(sample *s, int64_t key)
 {
-	size_t sampled = count < most ? count : most;
-	for (size_t i = sampled; i-- > 0;)
-		sift_down(keys, sampled, i);
-	for (size_t i = sampled; sampled > 0 && i < count; i++)
-		if (hash(keys[i]) < hash(keys[0])) {
-			keys[0] = keys[i];
-			sift_down(keys, sampled, 0);
-		}
-	qsort(keys, sampled, sizeof *keys, compare_keys);
-	return sampled;
+	if (s->count < s->most) {
+		s->keys[s->count++] = key;
+		for (size_t i = s->count == s->most ? s->most / 2 : 0; i-- > 0;) /* the heap is made when it is full */
+			sift_down(s->keys, s->count, i);
+	} else if (s->most > 0 && hash(key) < hash(s->keys[0])) {
+		s->keys[0] = key;
+		sift_down(s->keys, s->count, 0);
+	}
+}
+
+size_t esk_sample_choose(const eskel_key_block *blocks, size_t block_count, size_t most, int64_t *keys)
+{
+	sample s = {.keys = keys, .most = most};
+	for (size_t b = 0; b < block_count; b++)
+		for (uint64_t members = blocks[b].members; members; members &= members - 1)
+			offer(&s, blocks[b].first + __builtin_ctzll(members));
+	qsort(keys, s.count, sizeof *keys, compare_keys);
+	return s.count;
 }

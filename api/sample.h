@@ -3,10 +3,9 @@
 #ifndef ESK_SAMPLE_H
 #define ESK_SAMPLE_H
 
-#include <stddef.h>
-#include <stdint.h>
+#include "eskel.h"
 
-/* Moves at most so many of the keys, which are unique, to the front, ascending; returns how many. O(count log most). */
-size_t esk_sample_choose(int64_t *keys, size_t count, size_t most);
+/* Writes at most so many of the keys, ascending; returns how many. O(n log most). */
+size_t esk_sample_choose(const eskel_key_block *blocks, size_t block_count, size_t most, int64_t *keys);
 
 #endif

@@ -10,7 +10,7 @@
 static bool keys_of(eskel_api *api, const eskel_filter *filter, esk_choice *choice, esk_problem *problem)
 {
 	eskel_store_error error = {0};
-	eskel_store_status status = eskel_store_keys(api->store, filter, &choice->keys, &choice->count, &error);
+	eskel_store_status status = eskel_store_keys(api->store, filter, &choice->keys, &choice->block_count, &error);
 	return esk_problem_store(problem, status, &error);
 }
 
@@ -24,7 +24,7 @@ static bool choose(
 	filter.not_subject = said->subject;
 	if (!keys_of(api, &filter, fellows, problem))
 		return false;
-	if (said->subject && fellows->count == 0) {
+	if (said->subject && fellows->block_count == 0) {
 		filter.not_subject = NULL;
 		esk_choice_clear(fellows);
 		if (!keys_of(api, &filter, fellows, problem))
@@ -56,7 +56,7 @@ static bool find_fellow(eskel_api *api, const eskel_signature *signature, const 
 		.distance = *distance,
 		.limit = 1,
 		.keys = fellows->keys,
-		.key_count = fellows->count,
+		.key_block_count = fellows->block_count,
 		.leave_out = true,
 		.left_out_key = trial->key,
 	};
