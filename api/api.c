@@ -24,15 +24,26 @@ typedef struct {
 	eskel_status status;
 } loader;
 
-static bool load_signature(void *context, int64_t key, const eskel_signature *signature)
+static void *prepare_signature(void *context, const eskel_signature *signature)
+{
+	const loader *loading = context;
+	eskel_prepared *prepared = NULL;
+	return eskel_library_prepare(loading->api->library, signature, &prepared) == ESKEL_OK ? prepared : NULL;
+}
+
+static void drop_prepared(void *prepared)
+{
+	eskel_prepared_free(prepared);
+}
+
+static bool add_prepared(void *context, int64_t key, void *prepared)
 {
 	loader *loading = context;
 	const eskel_api_options *options = &loading->api->options;
 	bool told = options->loading && loading->loaded % LOADING_STEP == 0;
-	if (told && !options->loading(options->context, loading->loaded, loading->total))
+	loading->status = eskel_library_add_prepared(loading->api->library, key, prepared);
+	if (loading->status == ESKEL_OK && told && !options->loading(options->context, loading->loaded, loading->total))
 		loading->status = ESKEL_CANCELLED;
-	else
-		loading->status = eskel_library_add(loading->api->library, key, signature);
 	loading->loaded++;
 	return loading->status == ESKEL_OK;
 }
@@ -51,9 +62,11 @@ static eskel_store_status fill_library(eskel_api *api, eskel_store_error *error)
 	loader loading = {.api = api, .status = eskel_library_new(&api->library)};
 	if (loading.status != ESKEL_OK)
 		return refuse(error, ESKEL_STORE_NO_MEMORY, eskel_status_text(loading.status));
+	const eskel_signature_visitor visitor = {
+		.make = prepare_signature, .take = add_prepared, .drop = drop_prepared, .context = &loading};
 	eskel_store_status status = eskel_store_count(api->store, &loading.total, error);
 	if (status == ESKEL_STORE_OK)
-		status = eskel_store_each_signature(api->store, load_signature, &loading, error);
+		status = eskel_store_each_signature(api->store, &visitor, error);
 	if (status != ESKEL_STORE_OK || loading.status == ESKEL_OK)
 		return status;
 	status = loading.status == ESKEL_NO_MEMORY ? ESKEL_STORE_NO_MEMORY : ESKEL_STORE_INVALID;

@@ -1,24 +1,41 @@
 /* The library's writers: they add, remove and tidy up while readers search snapshots (snapshot.h).
  *
- * Two locks. One keeps changes apart. A shape and its codes, nearly all the work of an addition, are prepared without it:
- * several threads add side by side. The other, the gate, guards the current snapshot and is held only to copy or replace
- * it, so readers do not wait for a change. A change is made where no reader looks (free slots, new chunks, a new
- * directory) and becomes visible when the snapshot is replaced. */
+ * Two locks. One keeps changes apart. A shape, where it will lie, and its codes, nearly all the work of an addition, are
+ * prepared without it: several threads prepare side by side. The other, the gate, guards the current snapshot and is held
+ * only to copy or replace it, so readers do not wait for a change. A change is made where no reader looks (free slots,
+ * new chunks, a new directory) and becomes visible when the snapshot is replaced.
+ *
+ * Memory comes from arenas in lanes, one thread in a lane at a time: the first touch of a piece of an arena has the system
+ * clear 2 MB, and others would wait for it. One thread alone is always in the first lane. */
 #include "library.h"
 
 #include "key_index.h"
 #include "memory.h"
+#include "signature.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Most of a machine's bandwidth of memory is that of four threads. */
+enum { LANES = 4 };
+
+typedef struct {
+	pthread_mutex_t lock;
+	esk_arena arena;
+} lane;
+
+struct eskel_prepared {
+	esk_shape *shape; /* in one of the library's arenas */
+	esk_shape_codes codes;
+};
 
 struct eskel_library {
 	pthread_mutex_t writing;
 	pthread_mutex_t *gate; /* apart, for readers of a const library */
 	esk_snapshot current;
 	esk_key_index index;
-	esk_arena arena;
+	lane lanes[LANES];
 };
 
 void eskel_library_free(eskel_library *library)
@@ -27,7 +44,10 @@ void eskel_library_free(eskel_library *library)
 		return;
 	esk_directory_release(library->current.directory);
 	esk_key_index_clear(&library->index);
-	esk_arena_clear(&library->arena);
+	for (int n = 0; n < LANES; n++) {
+		esk_arena_clear(&library->lanes[n].arena);
+		pthread_mutex_destroy(&library->lanes[n].lock);
+	}
 	pthread_mutex_destroy(library->gate);
 	pthread_mutex_destroy(&library->writing);
 	free(library->gate);
@@ -50,6 +70,8 @@ eskel_status eskel_library_new(eskel_library **library)
 	pthread_mutex_init(&made->writing, &adaptive);
 	pthread_mutexattr_destroy(&adaptive);
 	pthread_mutex_init(gate, NULL);
+	for (int n = 0; n < LANES; n++)
+		pthread_mutex_init(&made->lanes[n].lock, NULL);
 	made->gate = gate;
 	*library = made;
 	return ESKEL_OK;
@@ -83,6 +105,38 @@ static void publish(eskel_library *library, esk_snapshot snapshot)
 		esk_directory_release(previous);
 }
 
+/* The first lane that is free. */
+static lane *enter_lane(eskel_library *library)
+{
+	lane *last = &library->lanes[LANES - 1];
+	for (lane *free = library->lanes; free < last; free++)
+		if (pthread_mutex_trylock(&free->lock) == 0)
+			return free;
+	pthread_mutex_lock(&last->lock);
+	return last;
+}
+
+static void leave_lane(lane *entered)
+{
+	pthread_mutex_unlock(&entered->lock);
+}
+
+static esk_shape *take_shape(eskel_library *library, uint32_t level_count)
+{
+	lane *entered = enter_lane(library);
+	esk_shape *shape = esk_arena_take(&entered->arena, esk_shape_size(level_count));
+	leave_lane(entered);
+	return shape;
+}
+
+static eskel_status new_chunk(eskel_library *library, uint32_t capacity, esk_chunk **chunk)
+{
+	lane *entered = enter_lane(library);
+	eskel_status status = esk_chunk_new(capacity, &entered->arena, chunk);
+	leave_lane(entered);
+	return status;
+}
+
 static esk_chunk *last_chunk(const eskel_library *library)
 {
 	const esk_directory *directory = library->current.directory;
@@ -99,7 +153,7 @@ static eskel_status make_room(eskel_library *library)
 		return ESKEL_OK;
 	if (old->chunk_count == UINT32_MAX / ESK_CHUNK_SLOTS)
 		return ESKEL_TOO_LARGE;
-	eskel_status status = esk_chunk_new(ESK_CHUNK_SLOTS, &library->arena, &chunk);
+	eskel_status status = new_chunk(library, ESK_CHUNK_SLOTS, &chunk);
 	if (status == ESKEL_OK)
 		status = esk_directory_new(old->chunk_count + 1, &directory);
 	if (status != ESKEL_OK) {
@@ -132,19 +186,7 @@ static bool has(const eskel_library *library, int64_t key)
 	return esk_key_index_find(&library->index, library->current.directory, key, &id);
 }
 
-/* A copy of the shape in a chunk that has a free slot. */
-static eskel_status put_copy(
-	esk_chunk *chunk, int64_t key, const esk_shape *shape, const esk_shape_codes *codes, esk_arena *arena)
-{
-	const size_t size = esk_shape_size(shape->level_count);
-	esk_shape *copy = esk_arena_take(arena, size);
-	if (!copy)
-		return ESKEL_NO_MEMORY;
-	put(chunk, key, memcpy(copy, shape, size), codes);
-	return ESKEL_OK;
-}
-
-static eskel_status add(eskel_library *library, int64_t key, const esk_shape *shape, const esk_shape_codes *codes)
+static eskel_status add(eskel_library *library, int64_t key, const eskel_prepared *prepared)
 {
 	if (has(library, key))
 		return ESKEL_INVALID;
@@ -156,9 +198,7 @@ static eskel_status add(eskel_library *library, int64_t key, const esk_shape *sh
 	esk_snapshot snapshot = library->current;
 	esk_chunk *chunk = last_chunk(library);
 	const uint32_t id = esk_snapshot_id(snapshot.directory->chunk_count - 1, chunk->count);
-	status = put_copy(chunk, key, shape, codes, &library->arena);
-	if (status != ESKEL_OK)
-		return status;
+	put(chunk, key, prepared->shape, &prepared->codes);
 	esk_key_index_insert(&library->index, key, id);
 	snapshot.last_count = chunk->count;
 	snapshot.shape_count++;
@@ -166,19 +206,62 @@ static eskel_status add(eskel_library *library, int64_t key, const esk_shape *sh
 	return ESKEL_OK;
 }
 
-eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_signature *signature)
+static eskel_status add_or_give_back(eskel_library *library, int64_t key, const eskel_prepared *prepared)
 {
-	esk_shape *shape = NULL;
-	esk_shape_codes codes;
-	eskel_status status = esk_shape_new(signature, &shape);
+	pthread_mutex_lock(&library->writing);
+	eskel_status status = add(library, key, prepared);
+	pthread_mutex_unlock(&library->writing);
+	if (status != ESKEL_OK)
+		esk_arena_give_back(prepared->shape);
+	return status;
+}
+
+static eskel_status prepare(eskel_library *library, const eskel_signature *signature, eskel_prepared *prepared)
+{
+	eskel_status status = esk_signature_check(signature, NULL);
 	if (status != ESKEL_OK)
 		return status;
-	esk_columns_encode(shape, &codes);
-	pthread_mutex_lock(&library->writing);
-	status = add(library, key, shape, &codes);
-	pthread_mutex_unlock(&library->writing);
-	esk_shape_release(shape);
+	prepared->shape = take_shape(library, signature->level_count);
+	if (!prepared->shape)
+		return ESKEL_NO_MEMORY;
+	esk_shape_write(signature, prepared->shape);
+	esk_columns_encode(prepared->shape, &prepared->codes);
+	return ESKEL_OK;
+}
+
+eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_signature *signature)
+{
+	eskel_prepared prepared;
+	eskel_status status = prepare(library, signature, &prepared);
+	return status == ESKEL_OK ? add_or_give_back(library, key, &prepared) : status;
+}
+
+eskel_status eskel_library_prepare(eskel_library *library, const eskel_signature *signature, eskel_prepared **prepared)
+{
+	eskel_prepared *made = esk_memory_array(1, sizeof *made);
+	if (!made)
+		return ESKEL_NO_MEMORY;
+	eskel_status status = prepare(library, signature, made);
+	if (status == ESKEL_OK)
+		*prepared = made;
+	else
+		free(made);
 	return status;
+}
+
+eskel_status eskel_library_add_prepared(eskel_library *library, int64_t key, eskel_prepared *prepared)
+{
+	eskel_status status = add_or_give_back(library, key, prepared);
+	free(prepared);
+	return status;
+}
+
+void eskel_prepared_free(eskel_prepared *prepared)
+{
+	if (!prepared)
+		return;
+	esk_arena_give_back(prepared->shape);
+	free(prepared);
 }
 
 static bool is_removed(esk_chunk *chunk, uint32_t slot)
@@ -186,18 +269,28 @@ static bool is_removed(esk_chunk *chunk, uint32_t slot)
 	return atomic_load_explicit(&chunk->removed_at[slot], memory_order_relaxed) != ESK_NEVER;
 }
 
+/* A copy of the shape in a chunk that has a free slot. */
+static eskel_status put_copy(eskel_library *library, esk_chunk *chunk, int64_t key, const esk_shape *shape)
+{
+	esk_shape *copy = take_shape(library, shape->level_count);
+	esk_shape_codes codes;
+	if (!copy)
+		return ESKEL_NO_MEMORY;
+	memcpy(copy, shape, esk_shape_size(shape->level_count));
+	esk_columns_encode(copy, &codes);
+	put(chunk, key, copy, &codes);
+	return ESKEL_OK;
+}
+
 /* The shapes that are left, in a chunk that has no room for others and does not keep the arena's older pieces. */
-static eskel_status copy_survivors(esk_chunk *chunk, esk_arena *arena, esk_chunk **copy)
+static eskel_status copy_survivors(eskel_library *library, esk_chunk *chunk, esk_chunk **copy)
 {
 	const uint32_t removed = atomic_load_explicit(&chunk->removed_count, memory_order_relaxed);
 	esk_chunk *made = NULL;
-	eskel_status status = esk_chunk_new(chunk->count - removed, arena, &made);
+	eskel_status status = new_chunk(library, chunk->count - removed, &made);
 	for (uint32_t slot = 0; status == ESKEL_OK && slot < chunk->count; slot++)
-		if (!is_removed(chunk, slot)) {
-			esk_shape_codes codes;
-			esk_columns_encode(chunk->shapes[slot], &codes);
-			status = put_copy(made, chunk->keys[slot], chunk->shapes[slot], &codes, arena);
-		}
+		if (!is_removed(chunk, slot))
+			status = put_copy(library, made, chunk->keys[slot], chunk->shapes[slot]);
 	if (status != ESKEL_OK) {
 		esk_chunk_free(made);
 		return status;
@@ -220,7 +313,7 @@ static void shrink_chunk(eskel_library *library, uint32_t index)
 	const esk_directory *old = library->current.directory;
 	esk_chunk *chunk = old->chunks[index], *copy = NULL;
 	esk_directory *directory = NULL;
-	if (copy_survivors(chunk, &library->arena, &copy) != ESKEL_OK)
+	if (copy_survivors(library, chunk, &copy) != ESKEL_OK)
 		return;
 	if (esk_directory_new(old->chunk_count, &directory) != ESKEL_OK) {
 		esk_chunk_free(copy);

@@ -2,8 +2,8 @@
  *
  * Shapes are stored one after the other, so the pages of the signatures lie scattered among those of clouds and
  * skeletons, and a scan of a file that is not in memory waits for the disk at each of them; and every signature is
- * verified and decoded. So a few threads take the keys stride by stride and read ahead of the caller, who gets the strides
- * in their order: the disk has many pages to look for at a time, and decoding goes on while the caller works.
+ * verified, decoded and made into what the visitor wants. So a few threads take the keys stride by stride and read ahead of
+ * the caller, who takes the strides in their order: the disk has many pages to look for at a time, and all processors work.
  *
  * Stride n lies in slot n % SLOTS from the time that a thread has taken it until the caller has passed it. */
 #include "array.h"
@@ -17,12 +17,12 @@
 enum {
 	THREADS = 8,
 	STRIDE = 256, /* keys */
-	SLOTS = 32    /* read ahead at most: 45 MB of decoded signatures */
+	SLOTS = 32    /* read ahead at most: what is made of 8,192 signatures */
 };
 
 typedef struct {
 	int64_t key;
-	eskel_signature *signature;
+	void *made;
 } row;
 
 typedef struct {
@@ -34,6 +34,7 @@ typedef struct {
 } stride;
 
 typedef struct {
+	const eskel_signature_visitor *visitor;
 	int64_t last;         /* the last key that there is */
 	pthread_mutex_t lock; /* of all below */
 	pthread_cond_t changed;
@@ -50,27 +51,33 @@ typedef struct {
 
 /* ---- one stride */
 
-static eskel_store_status read_row(esk_statement *s, row *out, eskel_store_error *error)
+static eskel_store_status read_row(
+	esk_statement *s, const eskel_signature_visitor *visitor, row *out, eskel_store_error *error)
 {
 	esk_object_row object;
+	eskel_signature *signature = NULL;
 	eskel_store_status status = esk_object_read(s, ESK_OBJECT_SIGNATURE, &object, error);
 	if (status != ESKEL_STORE_OK)
 		return status;
-	out->key = object.shape;
-	eskel_status decoded = eskel_signature_decode(object.bytes, object.size, &out->signature, NULL);
-	return esk_object_decoded(decoded, ESK_OBJECT_SIGNATURE, object.shape, error);
+	eskel_status decoded = eskel_signature_decode(object.bytes, object.size, &signature, NULL);
+	if (decoded != ESKEL_OK)
+		return esk_object_decoded(decoded, ESK_OBJECT_SIGNATURE, object.shape, error);
+	*out = (row){.key = object.shape, .made = visitor->make(visitor->context, signature)};
+	eskel_signature_free(signature);
+	return out->made ? ESKEL_STORE_OK : esk_status_fail(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 }
 
-static void clear(stride *s)
+static void clear(const scan *of, stride *s)
 {
 	for (size_t i = 0; i < s->count; i++)
-		eskel_signature_free(s->rows[i].signature);
+		if (s->rows[i].made)
+			of->visitor->drop(s->rows[i].made);
 	free(s->rows);
 	*s = (stride){.ready = false};
 }
 
 /* Reads what is stored under the keys of stride n, into an empty one: those before a failure, and the failure. */
-static void read_stride(sqlite3 *db, int64_t n, stride *out)
+static void read_stride(const scan *of, sqlite3 *db, int64_t n, stride *out)
 {
 	eskel_store_status status = ESKEL_STORE_OK;
 	esk_statement s = esk_statement_begin(
@@ -82,7 +89,7 @@ static void read_stride(sqlite3 *db, int64_t n, stride *out)
 		if (!esk_array_grow((void **)&out->rows, out->count, sizeof out->rows[0]))
 			status = esk_status_fail(&out->error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 		else
-			status = read_row(&s, &read, &out->error);
+			status = read_row(&s, of->visitor, &read, &out->error);
 		if (status == ESKEL_STORE_OK)
 			out->rows[out->count++] = read;
 	}
@@ -112,7 +119,7 @@ static void *read_ahead(void *context)
 	int64_t n;
 	while ((n = take_stride(s)) >= 0) {
 		stride *slot = &s->slots[n % SLOTS];
-		read_stride(r->db, n, slot);
+		read_stride(s, r->db, n, slot);
 		pthread_mutex_lock(&s->lock);
 		slot->ready = true;
 		pthread_cond_broadcast(&s->changed);
@@ -131,17 +138,16 @@ static void pass_stride(scan *s)
 
 /* ---- the caller */
 
-typedef struct {
-	bool (*each)(void *context, int64_t key, const eskel_signature *signature);
-	void *context;
-	bool stopped;
-} visitor;
-
-static eskel_store_status visit(visitor *v, const stride *s, eskel_store_error *error)
+/* Sets *stopped when the visitor wants no more. */
+static eskel_store_status take_rows(const scan *of, stride *s, bool *stopped, eskel_store_error *error)
 {
-	for (size_t i = 0; i < s->count && !v->stopped; i++)
-		v->stopped = !v->each(v->context, s->rows[i].key, s->rows[i].signature);
-	if (v->stopped || s->status == ESKEL_STORE_OK)
+	const eskel_signature_visitor *v = of->visitor;
+	for (size_t i = 0; i < s->count && !*stopped; i++) {
+		void *made = s->rows[i].made;
+		s->rows[i].made = NULL;
+		*stopped = !v->take(v->context, s->rows[i].key, made);
+	}
+	if (*stopped || s->status == ESKEL_STORE_OK)
 		return ESKEL_STORE_OK;
 	return esk_status_fail(error, s->status, "%s", s->error.text);
 }
@@ -155,17 +161,18 @@ static void wait_for(scan *s, const stride *slot)
 }
 
 /* Without threads the caller reads. */
-static eskel_store_status visit_all(scan *s, sqlite3 *db, bool threads, visitor *v, eskel_store_error *error)
+static eskel_store_status take_all(scan *s, sqlite3 *db, bool threads, eskel_store_error *error)
 {
 	eskel_store_status status = ESKEL_STORE_OK;
-	for (int64_t n = 0; status == ESKEL_STORE_OK && !v->stopped && n * STRIDE < s->last; n++) {
+	bool stopped = false;
+	for (int64_t n = 0; status == ESKEL_STORE_OK && !stopped && n * STRIDE < s->last; n++) {
 		stride *slot = &s->slots[n % SLOTS];
 		if (threads)
 			wait_for(s, slot);
 		else
-			read_stride(db, n, slot);
-		status = visit(v, slot, error);
-		clear(slot);
+			read_stride(s, db, n, slot);
+		status = take_rows(s, slot, &stopped, error);
+		clear(s, slot);
 		pass_stride(s);
 	}
 	return status;
@@ -199,15 +206,13 @@ static void stop(scan *s, const reader *readers, int count)
 	for (int i = 0; i < count; i++)
 		pthread_join(readers[i].thread, NULL);
 	for (int n = 0; n < SLOTS; n++)
-		clear(&s->slots[n]);
+		clear(s, &s->slots[n]);
 }
 
-eskel_store_status eskel_store_each_signature(eskel_store *store,
-	bool (*each)(void *context, int64_t key, const eskel_signature *signature), void *context,
-	eskel_store_error *error)
+eskel_store_status eskel_store_each_signature(
+	eskel_store *store, const eskel_signature_visitor *visitor, eskel_store_error *error)
 {
-	visitor v = {.each = each, .context = context};
-	scan s = {.lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
+	scan s = {.visitor = visitor, .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
 	reader readers[THREADS];
 	sqlite3 *dbs[THREADS];
 	size_t count = THREADS;
@@ -218,7 +223,7 @@ eskel_store_status eskel_store_each_signature(eskel_store *store,
 	if (status == ESKEL_STORE_OK) {
 		/* A few strides are read before threads would be there. */
 		int threads = s.last > THREADS * STRIDE ? start(&s, dbs, count, readers) : 0;
-		status = visit_all(&s, dbs[0], threads > 0, &v, error);
+		status = take_all(&s, dbs[0], threads > 0, error);
 		stop(&s, readers, threads);
 	}
 	for (size_t i = 0; i < count; i++)

@@ -310,6 +310,13 @@ ESKEL_API eskel_status eskel_library_new(eskel_library **library);
 ESKEL_API void eskel_library_free(eskel_library *library);
 /* Keys are the caller's and unique (ESKEL_INVALID otherwise). Copies the signature. */
 ESKEL_API eskel_status eskel_library_add(eskel_library *library, int64_t key, const eskel_signature *signature);
+/* The same in two steps: several threads prepare shapes at once, and one adds them in its order. Adding takes the prepared
+ * shape, also on failure; what is not added is to be freed. */
+typedef struct eskel_prepared eskel_prepared;
+ESKEL_API eskel_status eskel_library_prepare(eskel_library *library, const eskel_signature *signature,
+	eskel_prepared **prepared);
+ESKEL_API eskel_status eskel_library_add_prepared(eskel_library *library, int64_t key, eskel_prepared *prepared);
+ESKEL_API void eskel_prepared_free(eskel_prepared *prepared);
 ESKEL_API eskel_status eskel_library_remove(eskel_library *library, int64_t key);
 ESKEL_API size_t eskel_library_count(const eskel_library *library);
 

@@ -169,10 +169,19 @@ ESKEL_API eskel_store_status eskel_store_count(eskel_store *store, uint64_t *cou
  * To be called once, before the store is used by other threads. */
 ESKEL_API eskel_store_status eskel_store_keep_descriptions(eskel_store *store, eskel_store_error *error);
 
-/* Calls each with every signature in one consistent read, ascending keys; false stops (OK is returned). The signature
- * is the store's, valid during the call. */
-ESKEL_API eskel_store_status eskel_store_each_signature(eskel_store *store,
-	bool (*each)(void *context, int64_t key, const eskel_signature *signature), void *context,
+/* What becomes of signatures that are read: each is made into something, by several threads at once, and that is taken by
+ * the calling thread alone, in ascending order of keys. */
+typedef struct {
+	/* The signature is the store's, valid during the call. NULL: memory ran out. */
+	void *(*make)(void *context, const eskel_signature *signature);
+	/* Owns what was made; false stops (OK is returned). */
+	bool (*take)(void *context, int64_t key, void *made);
+	void (*drop)(void *made);                /* frees what is not taken */
+	void *context;
+} eskel_signature_visitor;
+
+/* Every signature in one consistent read. */
+ESKEL_API eskel_store_status eskel_store_each_signature(eskel_store *store, const eskel_signature_visitor *visitor,
 	eskel_store_error *error);
 
 /* ---------------------------------------------------------------------------------------------- tokens */

@@ -53,3 +53,34 @@ void store_edit(store_fixture *f, const char *sql)
 	database_edit(f->path, sql);
 	assert_ok(eskel_store_open(f->path, NULL, &f->store, &f->error), f);
 }
+
+typedef struct {
+	bool (*each)(void *context, int64_t key, uint32_t level_count);
+	void *context;
+} visit;
+
+static void *copy_level_count(void *context, const eskel_signature *signature)
+{
+	uint32_t *copy = malloc(sizeof *copy);
+	(void)context;
+	if (copy)
+		*copy = signature->level_count;
+	return copy;
+}
+
+static bool call_each(void *context, int64_t key, void *made)
+{
+	const visit *v = context;
+	const uint32_t level_count = *(uint32_t *)made;
+	free(made);
+	return v->each(v->context, key, level_count);
+}
+
+eskel_store_status store_each_signature(eskel_store *store,
+	bool (*each)(void *context, int64_t key, uint32_t level_count), void *context, eskel_store_error *error)
+{
+	visit v = {each, context};
+	const eskel_signature_visitor visitor = {
+		.make = copy_level_count, .take = call_each, .drop = free, .context = &v};
+	return eskel_store_each_signature(store, &visitor, error);
+}

@@ -19,6 +19,10 @@ void store_edit(store_fixture *f, const char *sql);
 /* The same for a database that no store has open. */
 void database_edit(const char *path, const char *sql);
 
+/* Every signature, in the order of keys, until each says false. */
+eskel_store_status store_each_signature(eskel_store *store,
+	bool (*each)(void *context, int64_t key, uint32_t level_count), void *context, eskel_store_error *error);
+
 #define store_test(name) cmocka_unit_test_setup_teardown(name, store_set_up, store_tear_down)
 
 /* Fails with the store's own sentence. */

@@ -219,6 +219,30 @@ static void a_snapshot_stays_as_it_was(void **state)
 	eskel_library_free(library);
 }
 
+static void a_prepared_shape_is_in_the_library_once_it_is_added(void **state)
+{
+	(void)state;
+	eskel_library *library = new_library();
+	eskel_signature *a = synthetic_signature(1, 1, 0.1, 8), *b = synthetic_signature(1, 2, 0.1, 8);
+	eskel_prepared *first = NULL, *second = NULL, *unused = NULL;
+	assert_int_equal(eskel_library_prepare(library, a, &first), ESKEL_OK);
+	assert_int_equal(eskel_library_prepare(library, b, &second), ESKEL_OK);
+	assert_int_equal(eskel_library_prepare(library, b, &unused), ESKEL_OK);
+	assert_int_equal(eskel_library_count(library), 0);
+	assert_int_equal(eskel_library_add_prepared(library, 9, second), ESKEL_OK);
+	assert_int_equal(find(library, a), -1);
+	assert_int_equal(find(library, b), 9);
+	assert_int_equal(eskel_library_add_prepared(library, 9, first), ESKEL_INVALID);
+	assert_int_equal(eskel_library_count(library), 1);
+	eskel_prepared_free(unused);
+	eskel_prepared_free(NULL);
+	a->volume = -1;
+	assert_int_equal(eskel_library_prepare(library, a, &unused), ESKEL_INVALID);
+	eskel_signature_free(a);
+	eskel_signature_free(b);
+	eskel_library_free(library);
+}
+
 /* ---- writers and readers at once; run it with -DESKEL_SANITIZE=thread */
 
 enum { adders = 3, added = 700 };
@@ -366,6 +390,7 @@ int main(void)
 		cmocka_unit_test(removals_give_memory_back),
 		cmocka_unit_test(keys_are_found_when_chunks_have_changed_places),
 		cmocka_unit_test(a_snapshot_stays_as_it_was),
+		cmocka_unit_test(a_prepared_shape_is_in_the_library_once_it_is_added),
 		cmocka_unit_test(threads_that_add_at_once_add_each_key_once),
 		cmocka_unit_test(searches_see_a_whole_library_while_it_changes),
 	};

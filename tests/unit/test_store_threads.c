@@ -99,10 +99,10 @@ static bool is_text(const char *text, const char *other)
 	return text == other || (text && other && strcmp(text, other) == 0);
 }
 
-static bool ascends(void *context, int64_t key, const eskel_signature *signature)
+static bool ascends(void *context, int64_t key, uint32_t level_count)
 {
 	int64_t *last = context;
-	bool sound = key > *last && signature->level_count == 3;
+	bool sound = key > *last && level_count == 3;
 	*last = sound ? key : INT64_MAX;
 	return sound;
 }
@@ -126,7 +126,7 @@ static void read_once(arena *a)
 	}
 	eskel_shapes_free(shapes, count);
 	int64_t last = 0;
-	status = eskel_store_each_signature(a->store, ascends, &last, &error);
+	status = store_each_signature(a->store, ascends, &last, &error);
 	expect(a, status == ESKEL_STORE_OK && last != INT64_MAX, "signatures", &error);
 	uint64_t rows;
 	expect(a, eskel_store_audit_verify(a->store, &rows, &error) == ESKEL_STORE_OK, "audit", &error);
@@ -252,11 +252,11 @@ static void enroll_many(store_fixture *f)
 	free(created);
 }
 
-static bool count_up_to(void *context, int64_t key, const eskel_signature *signature)
+static bool count_up_to(void *context, int64_t key, uint32_t level_count)
 {
 	int64_t *left = context;
 	(void)key;
-	(void)signature;
+	(void)level_count;
 	return --*left > 0;
 }
 
@@ -266,12 +266,12 @@ static void a_scan_that_reads_ahead_sees_every_signature_once_or_stops(void **st
 	enroll_many(f);
 	store_reopen(f);
 	int64_t last = 0, left = many + 1;
-	assert_ok(eskel_store_each_signature(f->store, ascends, &last, &f->error), f);
+	assert_ok(store_each_signature(f->store, ascends, &last, &f->error), f);
 	assert_int_not_equal(last, INT64_MAX);
-	assert_ok(eskel_store_each_signature(f->store, count_up_to, &left, &f->error), f);
+	assert_ok(store_each_signature(f->store, count_up_to, &left, &f->error), f);
 	assert_int_equal(left, 1);
 	left = 10;
-	assert_ok(eskel_store_each_signature(f->store, count_up_to, &left, &f->error), f);
+	assert_ok(store_each_signature(f->store, count_up_to, &left, &f->error), f);
 	assert_int_equal(left, 0);
 }
 
@@ -289,13 +289,13 @@ static void a_scan_that_reads_ahead_ends_at_a_damaged_signature(void **state)
 		SQLITE_OK);
 	sqlite3_close(other);
 	int64_t last = 0, left = many + 1;
-	assert_int_equal(eskel_store_each_signature(f->store, ascends, &last, &f->error), ESKEL_STORE_CORRUPT);
+	assert_int_equal(store_each_signature(f->store, ascends, &last, &f->error), ESKEL_STORE_CORRUPT);
 	assert_non_null(strstr(f->error.text, "1500"));
 	assert_int_equal(last, damaged - 1);
-	assert_int_equal(eskel_store_each_signature(f->store, count_up_to, &left, &f->error), ESKEL_STORE_CORRUPT);
+	assert_int_equal(store_each_signature(f->store, count_up_to, &left, &f->error), ESKEL_STORE_CORRUPT);
 	assert_int_equal(left, many + 1 - (damaged - 1));
 	left = damaged - 1;
-	assert_ok(eskel_store_each_signature(f->store, count_up_to, &left, &f->error), f);
+	assert_ok(store_each_signature(f->store, count_up_to, &left, &f->error), f);
 }
 
 int main(void)
