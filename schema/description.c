@@ -95,21 +95,25 @@ eskel_store_status esk_attributes_write(
 	return status;
 }
 
+void esk_attribute_read(esk_statement *s, eskel_description *description)
+{
+	eskel_description *d = description;
+	if (!esk_array_grow((void **)&d->attributes, d->attribute_count, sizeof d->attributes[0])) {
+		esk_statement_fail(s, SQLITE_NOMEM);
+		return;
+	}
+	eskel_attribute *a = &d->attributes[d->attribute_count++];
+	a->key = esk_column_text(s);
+	a->value = esk_column_text(s);
+}
+
 eskel_store_status esk_attributes_read(
 	sqlite3 *db, int64_t shape, eskel_description *description, eskel_store_error *error)
 {
-	eskel_description *d = description;
 	esk_statement s = esk_statement_begin(db, "SELECT key, value FROM attribute WHERE shape = ? ORDER BY key");
 	esk_bind_int64(&s, shape);
-	while (esk_statement_row(&s)) {
-		if (!esk_array_grow((void **)&d->attributes, d->attribute_count, sizeof d->attributes[0])) {
-			esk_statement_fail(&s, SQLITE_NOMEM);
-			break;
-		}
-		eskel_attribute *a = &d->attributes[d->attribute_count++];
-		a->key = esk_column_text(&s);
-		a->value = esk_column_text(&s);
-	}
+	while (esk_statement_row(&s))
+		esk_attribute_read(&s, description);
 	return esk_statement_end(&s, error);
 }
 

@@ -20,6 +20,8 @@ const char *esk_sex_name(eskel_sex sex);
 /* Replaces those of the shape. */
 eskel_store_status esk_attributes_write(
 	sqlite3 *db, int64_t shape, const eskel_description *description, eskel_store_error *error);
+/* Adds that of the row. */
+void esk_attribute_read(esk_statement *s, eskel_description *description);
 eskel_store_status esk_attributes_read(
 	sqlite3 *db, int64_t shape, eskel_description *description, eskel_store_error *error);
 
