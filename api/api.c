@@ -73,33 +73,54 @@ static eskel_store_status fill_library(eskel_api *api, eskel_store_error *error)
 	return refuse(error, status, eskel_status_text(loading.status));
 }
 
+/* What is done in a thread of its own, while the library is filled. */
 typedef struct {
+	eskel_store_status (*work)(eskel_store *store, eskel_store_error *error);
 	eskel_store *store;
+	bool has_thread;
+	pthread_t thread;
 	eskel_store_status status;
 	eskel_store_error error;
-} keeper;
+} task;
 
-static void *keep_descriptions(void *context)
+static void *run(void *context)
 {
-	keeper *k = context;
-	k->status = eskel_store_keep_descriptions(k->store, &k->error);
+	task *t = context;
+	t->status = t->work(t->store, &t->error);
 	return NULL;
 }
 
-/* The descriptions in a thread of their own, while the library is filled. */
+static void begin(task *t)
+{
+	t->has_thread = pthread_create(&t->thread, NULL, run, t) == 0;
+}
+
+static void end(task *t)
+{
+	if (t->has_thread)
+		pthread_join(t->thread, NULL);
+	else
+		run(t);
+}
+
+/* A database that is damaged is called so, whatever else that has brought about. */
 static eskel_store_status fill_memory(eskel_api *api, eskel_store_error *error)
 {
-	keeper k = {.store = api->store};
-	pthread_t thread;
-	bool beside = pthread_create(&thread, NULL, keep_descriptions, &k) == 0;
-	eskel_store_status status = fill_library(api, error);
-	if (beside)
-		pthread_join(thread, NULL);
-	else
-		keep_descriptions(&k);
-	if (status == ESKEL_STORE_OK && k.status != ESKEL_STORE_OK && error)
-		*error = k.error;
-	return status == ESKEL_STORE_OK ? k.status : status;
+	task check = {.work = eskel_store_check, .store = api->store};
+	task keep = {.work = eskel_store_keep_descriptions, .store = api->store};
+	eskel_store_error filling;
+	begin(&check);
+	begin(&keep);
+	eskel_store_status filled = fill_library(api, &filling);
+	end(&check);
+	end(&keep);
+	const eskel_store_error *failed = check.status != ESKEL_STORE_OK  ? &check.error
+					  : filled != ESKEL_STORE_OK      ? &filling
+					  : keep.status != ESKEL_STORE_OK ? &keep.error
+									  : NULL;
+	if (failed && error)
+		*error = *failed;
+	return failed ? failed->status : ESKEL_STORE_OK;
 }
 
 static void set_defaults(eskel_api_options *options)
@@ -138,6 +159,7 @@ eskel_store_status eskel_api_open(
 	if (options)
 		opened->options = *options;
 	set_defaults(&opened->options);
+	opened->options.store.check_later = true;
 	eskel_store_status status = eskel_store_open(database, &opened->options.store, &opened->store, error);
 	if (status == ESKEL_STORE_OK)
 		status = fill_memory(opened, error);

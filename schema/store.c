@@ -45,23 +45,35 @@ static eskel_store_status quick_check(sqlite3 *db, eskel_store_error *error)
 	return ESKEL_STORE_OK;
 }
 
-static eskel_store_status bring_up_to_date(sqlite3 *writer, eskel_store_error *error)
+eskel_store_status eskel_store_check(eskel_store *store, eskel_store_error *error)
+{
+	sqlite3 *db = NULL;
+	eskel_store_status status = esk_read_begin(store, &db, error);
+	if (status != ESKEL_STORE_OK)
+		return status;
+	status = quick_check(db, error);
+	esk_read_end(store, db);
+	return status;
+}
+
+static eskel_store_status bring_up_to_date(sqlite3 *writer, bool check_later, eskel_store_error *error)
 {
 	eskel_store_status status = esk_migrate(writer, esk_steps, esk_step_count, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_connection_use_wal(writer, error);
-	if (status == ESKEL_STORE_OK)
+	if (status == ESKEL_STORE_OK && !check_later)
 		status = quick_check(writer, error);
 	return status;
 }
 
 /* Beside a server the file is as that server has left it, or it is refused. */
-static eskel_store_status bring_up(eskel_store *store, const char *path, bool beside_server, eskel_store_error *error)
+static eskel_store_status bring_up(
+	eskel_store *store, const char *path, const eskel_store_options *options, eskel_store_error *error)
 {
 	eskel_store_status status = esk_file_resolve(path, &store->path, error);
 	if (status == ESKEL_STORE_OK)
 		status = esk_file_lock(store->path, &store->lock, error);
-	store->is_beside = status == ESKEL_STORE_LOCKED && beside_server;
+	store->is_beside = status == ESKEL_STORE_LOCKED && options->beside_server;
 	if (status != ESKEL_STORE_OK && !store->is_beside)
 		return status;
 	status = esk_file_check(store->path, esk_step_count, error);
@@ -69,7 +81,7 @@ static eskel_store_status bring_up(eskel_store *store, const char *path, bool be
 		status = esk_connection_open(store->path, ESK_CONNECTION_WRITE, &store->writer, error);
 	if (status == ESKEL_STORE_OK)
 		status = store->is_beside ? esk_migrate_check(store->writer, esk_step_count, error)
-					  : bring_up_to_date(store->writer, error);
+					  : bring_up_to_date(store->writer, options->check_later, error);
 	if (status == ESKEL_STORE_OK)
 		esk_write_prepare(store);
 	return status;
@@ -78,16 +90,16 @@ static eskel_store_status bring_up(eskel_store *store, const char *path, bool be
 eskel_store_status eskel_store_open(
 	const char *path, const eskel_store_options *options, eskel_store **store, eskel_store_error *error)
 {
+	const eskel_store_options asked = options ? *options : (eskel_store_options){0};
 	eskel_store *opened = calloc(1, sizeof *opened);
 	if (!opened)
 		return esk_status_fail(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 	opened->lock = -1;
-	opened->least_free_bytes =
-		options && options->least_free_bytes ? options->least_free_bytes : default_least_free_bytes;
+	opened->least_free_bytes = asked.least_free_bytes ? asked.least_free_bytes : default_least_free_bytes;
 	pthread_mutex_init(&opened->writes_mutex, NULL);
 	pthread_cond_init(&opened->writes_done, NULL);
 	pthread_mutex_init(&opened->readers_mutex, NULL);
-	eskel_store_status status = bring_up(opened, path, options && options->beside_server, error);
+	eskel_store_status status = bring_up(opened, path, &asked, error);
 	if (status == ESKEL_STORE_FOREIGN && opened->lock >= 0)
 		esk_file_unlock_and_remove(opened->path, &opened->lock);
 	if (status != ESKEL_STORE_OK) {

@@ -46,13 +46,16 @@ typedef struct {
 	                              deletions still find room */
 	bool beside_server;        /* open a file that a server has locked: for tokens and the audit, of which servers
 	                              keep nothing in memory. A change of shapes is refused then (LOCKED) */
+	bool check_later;          /* leave the check of the tables, seconds for a million shapes, to eskel_store_check */
 } eskel_store_options;
 
-/* Creates the file (mode 0600) or opens it, brings its schema up to date step by step, and takes its lock. A file with
- * another application id or a newer schema is refused untouched (FOREIGN). */
+/* Creates the file (mode 0600) or opens it, brings its schema up to date step by step, takes its lock, and checks its
+ * tables (CORRUPT). A file with another application id or a newer schema is refused untouched (FOREIGN). */
 ESKEL_API eskel_store_status eskel_store_open(const char *path, const eskel_store_options *options,
 	eskel_store **store, eskel_store_error *error);
 ESKEL_API void eskel_store_close(eskel_store *store);
+/* What an open with check_later has left, beside reads whose results are of no use if it fails; before any change. */
+ESKEL_API eskel_store_status eskel_store_check(eskel_store *store, eskel_store_error *error);
 
 /* OK while reads work and writes are allowed: one cheap read, no lock taken. */
 ESKEL_API eskel_store_status eskel_store_ready(eskel_store *store, eskel_store_error *error);
