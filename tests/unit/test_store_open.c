@@ -230,9 +230,8 @@ static void a_folder_that_is_not_there_is_an_io_error(void **state)
 }
 
 /* The bytes behind the header of a table's root page say where its cells are. */
-static void a_damaged_table_is_found_at_the_open(void **state)
+static void damage_a_table(store_fixture *f)
 {
-	store_fixture *f = *state;
 	for (uint32_t i = 0; i < 30; i++)
 		assert_ok(sample_enroll(f->store, i, NULL, &f->error), f);
 	close_store(f);
@@ -242,8 +241,24 @@ static void a_damaged_table_is_found_at_the_open(void **state)
 	memset(file + (root - 1) * 16384 + 8, 0xff, 40);
 	file_write(f->path, file, size);
 	free(file);
+}
+
+static void a_damaged_table_is_found_at_the_open(void **state)
+{
+	store_fixture *f = *state;
+	damage_a_table(f);
 	assert_int_equal(open_store(f, f->path), ESKEL_STORE_CORRUPT);
 	assert_null(f->store);
+}
+
+static void a_damaged_table_is_found_by_a_check_that_was_left_for_later(void **state)
+{
+	store_fixture *f = *state;
+	const eskel_store_options options = {.check_later = true};
+	assert_ok(eskel_store_check(f->store, &f->error), f);
+	damage_a_table(f);
+	assert_ok(eskel_store_open(f->path, &options, &f->store, &f->error), f);
+	assert_int_equal(eskel_store_check(f->store, &f->error), ESKEL_STORE_CORRUPT);
 }
 
 /* ------------------------------------------------------------------------------------------------ connection */
@@ -416,6 +431,7 @@ int main(void)
 		store_test(an_empty_file_becomes_a_new_database),
 		store_test(a_folder_that_is_not_there_is_an_io_error),
 		store_test(a_damaged_table_is_found_at_the_open),
+		store_test(a_damaged_table_is_found_by_a_check_that_was_left_for_later),
 		store_test(a_connection_takes_no_orders_from_its_file),
 		store_test(a_planted_trigger_does_not_run),
 		store_test(a_reading_connection_cannot_write),
