@@ -136,6 +136,8 @@ eskel_status eskel_library_search(const eskel_library *library, const eskel_sign
 		.snapshot = esk_library_snapshot(library),
 		.keep = chosen.keep > 0 ? chosen.keep : default_keep,
 		.minimum = chosen.minimum ? chosen.minimum : default_minimum,
+		.watch = chosen.watch,
+		.watched_key = chosen.watched_key,
 		.result = made,
 	};
 	eskel_status status = run(&search, query, &chosen);

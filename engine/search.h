@@ -17,6 +17,8 @@ typedef struct {
 	esk_nearest answer;                 /* filled by the mode */
 	double (*levels)[ESKEL_LEVELS_MAX]; /* D_k of each in the answer, by its row, when levels are summed */
 	eskel_search_result *result;        /* steps, kept, compared and proven are written by the mode */
+	int64_t watched_key;
+	bool watch; /* the shape with that key, through the steps of the pruned mode */
 } esk_search;
 
 static inline bool esk_search_takes(const esk_search *search, uint32_t chunk, uint32_t slot)

@@ -265,6 +265,16 @@ static void compare(walk *w)
 	w->search->result->proven = w->count == w->search->participant_count;
 }
 
+/* Notes how many a step has left in, and whether the watched shape is one of them. */
+static void end_step(const walk *w)
+{
+	esk_search *search = w->search;
+	esk_search_end_step(search, w->count);
+	for (size_t i = 0; search->watch && i < w->count; i++)
+		if (esk_snapshot_key(&search->snapshot, w->all[i].id) == search->watched_key)
+			search->result->watched_steps = search->result->step_count;
+}
+
 eskel_status esk_search_pruned(esk_search *search)
 {
 	walk w = {.search = search};
@@ -273,11 +283,11 @@ eskel_status esk_search_pruned(esk_search *search)
 	w.scans[1] = esk_scan_make(&search->query, halved ? 0.5f : 1);
 	bool good = take_first_step(&w);
 	if (good && w.count < search->participant_count)
-		esk_search_end_step(search, w.count);
+		end_step(&w);
 	for (uint32_t level = 2; good && step_keeps(&w, w.count) < w.count; level++) {
 		good = level == 2 && search->shape->level_count >= 2 ? take_second_step(&w) : take_step(&w, level);
 		if (good)
-			esk_search_end_step(search, w.count);
+			end_step(&w);
 	}
 	if (good)
 		compare(&w);

@@ -325,6 +325,19 @@ ESKEL_API size_t eskel_library_count(const eskel_library *library);
 ESKEL_API eskel_status eskel_library_distances(const eskel_library *library, const int64_t *rows, size_t row_count,
 	const int64_t *columns, size_t column_count, const eskel_distance_options *options, double *distances);
 
+/* The same row by row, each as soon as it is there, in memory of a row a thread. */
+typedef struct {
+	eskel_distance_options distance;
+	uint32_t threads;               /* at most; default 1 */
+	/* Called once a row, in any order and from any thread, with the distances to all keys, which are gone afterwards;
+	 * false: ESKEL_CANCELLED. */
+	bool (*each)(void *context, size_t row, const double *distances);
+	void *context;
+} eskel_rows_options;
+
+ESKEL_API eskel_status eskel_library_rows(const eskel_library *library, const int64_t *keys, size_t count,
+	const eskel_rows_options *options);
+
 /* A set of keys is an array of these: bit i of members is set when it holds the key first + i. */
 typedef struct {
 	int64_t first;                  /* a multiple of 64; ascends from block to block */
@@ -349,6 +362,8 @@ typedef struct {
 	size_t key_block_count;
 	bool leave_out;                 /* leave out the shape with this key (a stored shape's own) */
 	int64_t left_out_key;
+	bool watch;                     /* pruned: follow the shape with this key through the steps */
+	int64_t watched_key;
 } eskel_search_options;
 
 typedef struct {
@@ -362,6 +377,7 @@ typedef struct {
 	size_t library;                        /* shapes that took part */
 	uint32_t step_count;                   /* coarse-to-fine steps taken */
 	size_t kept[ESKEL_LEVELS_MAX];         /* shapes still in after each step */
+	uint32_t watched_steps;                /* steps after which the watched shape was still in */
 	size_t compared;                       /* shapes compared to full depth */
 	bool proven;                           /* no shape outside the answer is nearer */
 	size_t count;
@@ -371,6 +387,45 @@ typedef struct {
 ESKEL_API eskel_status eskel_library_search(const eskel_library *library, const eskel_signature *query,
 	const eskel_search_options *options, eskel_search_result **result);
 ESKEL_API void eskel_search_result_free(eskel_search_result *result);
+
+/* ---------------------------------------------------------------------------------------------- evaluation */
+
+/* How well distances find shapes of the same class. A query's ranking is of all shapes but those left out, by distance.
+ * Of n ranked, R are relevant: of the query's class; hits(t) is how many of these are among the first t. The measures are
+ * those of the Princeton Shape Benchmark (Shilane, Min, Kazhdan, Funkhouser 2004), 0 to 1, more is better:
+ *   nearest neighbour  hits(1)
+ *   first tier         hits(R) / R
+ *   second tier        hits(2 R) / R
+ *   E-measure          2 / (1 / precision + 1 / recall) of the first t = min(32, n): 2 hits(t) / (t + R)
+ *   DCG                the sum of 1 / max(1, log2 rank) over the relevant, divided by that over the ranks 1 to R
+ *   precision          at recall s / 20, s = 1..20: the most of j / rank of the jth relevant over j >= s R / 20
+ * The query is in no ranking, so R is its class's size less 1. The paper prints the whole size in the divisor of the DCG;
+ * the benchmark's own program (psbTable) divides as here, so that a perfect ranking has DCG 1.
+ * Where we differ: classes of two shapes count (psbTable skips them), and ties have no order. A measure is its mean over all
+ * orders of shapes at equal distance; for the precision, each relevant one of them stands at its mean rank. */
+#define ESKEL_UNNUMBERED UINT32_MAX
+
+typedef struct {
+	size_t count;
+	const uint32_t *classes;        /* [count] any numbers; ESKEL_UNNUMBERED: of no class, never relevant */
+	const uint32_t *subjects;       /* a query leaves out all of its subject, ESKEL_UNNUMBERED: of nobody;
+	                                   NULL: it leaves out itself alone */
+} eskel_evaluation;
+
+#define ESKEL_RECALL_STEPS 20
+
+typedef struct {
+	size_t ranked, relevant;        /* n and R; without a relevant shape all measures are 0 */
+	double nearest_neighbour, first_tier, second_tier, e_measure, dcg;
+	double precision[ESKEL_RECALL_STEPS];
+} eskel_retrieval;
+
+ESKEL_API bool eskel_evaluation_leaves_out(const eskel_evaluation *evaluation, size_t query, size_t other);
+/* The measures of one query by its distances to all shapes (those to the left out are not read). */
+ESKEL_API eskel_status eskel_evaluation_judge(const eskel_evaluation *evaluation, size_t query,
+	const double *distances, eskel_retrieval *retrieval);
+/* The means over the queries that have a relevant shape; returns how many these are. */
+ESKEL_API size_t eskel_retrieval_mean(const eskel_retrieval *retrievals, size_t count, eskel_retrieval *mean);
 
 /* ---------------------------------------------------------------------------------------------- chirality */
 

@@ -295,6 +295,34 @@ static void the_pruned_search_takes_the_steps_of_the_paper(void **state)
 	free_shelf(&s);
 }
 
+/* The watched shapes that outlive a step are as many as it keeps, those that outlive all are the ones left by sorting. */
+static void a_shape_can_be_watched_through_the_steps_of_the_pruned_search(void **state)
+{
+	(void)state;
+	shelf s = make_shelf(300, 30, 0.3, 3);
+	for (int o = 0; o < combinations; o++) {
+		eskel_search_options options = {.distance = combination(o), .mode = ESKEL_SEARCH_PRUNED, .watch = true};
+		pair *left = prune_by_sorting(&s, s.signatures[8], &options.distance);
+		size_t outlived[ESKEL_LEVELS_MAX] = {0}, kept[ESKEL_LEVELS_MAX] = {0};
+		for (size_t n = 0; n < s.count; n++) {
+			options.watched_key = key_of(n);
+			eskel_search_result *result = search(&s, s.signatures[8], &options);
+			bool is_left = false;
+			for (size_t i = 0; i < 10; i++)
+				is_left |= left[i].key == key_of(n);
+			assert_true(is_left == (result->watched_steps == result->step_count));
+			for (uint32_t step = 0; step < result->watched_steps; step++)
+				outlived[step]++;
+			memcpy(kept, result->kept, sizeof kept);
+			eskel_search_result_free(result);
+		}
+		assert_int_equal(outlived[0], 30);
+		assert_memory_equal(outlived, kept, sizeof kept);
+		free(left);
+	}
+	free_shelf(&s);
+}
+
 /* Shapes come in batches of like ones, so that every second chunk has all that are near. */
 static void the_pruned_search_does_not_depend_on_the_order_in_which_shapes_were_added(void **state)
 {
@@ -549,6 +577,7 @@ int main(void)
 		cmocka_unit_test(the_pruned_search_keeps_a_tenth_but_never_fewer_than_ten_or_the_limit),
 		cmocka_unit_test(the_pruned_search_takes_the_steps_of_the_paper),
 		cmocka_unit_test(the_pruned_search_keeps_what_it_is_asked_to),
+		cmocka_unit_test(a_shape_can_be_watched_through_the_steps_of_the_pruned_search),
 		cmocka_unit_test(the_pruned_search_does_not_depend_on_the_order_in_which_shapes_were_added),
 		cmocka_unit_test(shapes_beyond_the_codes_are_found_all_the_same),
 		cmocka_unit_test(the_pruned_search_of_ten_shapes_compares_them_all),
