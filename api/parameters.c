@@ -201,6 +201,7 @@ static const char *const signatures[] = {"log", "paper", NULL};
 static const char *const distances[] = {"sum", "level", NULL};
 static const char *const metrics[] = {"manhattan", "euclidean", NULL};
 static const char *const sizes[] = {"fixed", "free", NULL};
+static const char *const left_out[] = {"shape", "subject", NULL};
 static const char *const formats[] = {"json", "csv", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 
@@ -223,6 +224,7 @@ static const struct parameter parameters[] = {
 	{.name = "label.N.class", .take = take_label_words},
 	{.name = "label.N.name", .take = take_label_words},
 	{.name = "label.N.side", .take = take_label_words},
+	{.name = "leave_out", .take = take_choice, FIELD(leave_out), .choices = left_out},
 	{.name = "level", .take = take_number, FIELD(level), .most = ESKEL_LEVELS_MAX},
 	{.name = "levels", .take = take_number, FIELD(levels), .most = ESKEL_LEVELS_MAX},
 	{.name = "limit", .take = take_number, FIELD(limit), .most = INT32_MAX},
@@ -361,6 +363,12 @@ eskel_distance_options esk_parameters_distance(const esk_parameters *query)
 		.metric = (eskel_metric)query->metric,
 		.size = (eskel_size)query->size,
 	};
+}
+
+const char *esk_parameters_choice(const esk_parameters *query, const char *name)
+{
+	const struct parameter *row = find_parameter(name);
+	return row->choices[*(const unsigned *)((const char *)query + row->field)];
 }
 
 void esk_parameters_cursor_text(int64_t key, char text[ESK_CURSOR_SIZE])

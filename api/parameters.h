@@ -43,6 +43,7 @@ typedef struct {
 	unsigned mode, signature, distance, metric, size; /* of the enums of eskel.h */
 	unsigned format;                                  /* ESK_FORMAT_... */
 	unsigned explain;
+	unsigned leave_out; /* ESK_LEAVE_OUT_... (evaluation.h) */
 } esk_parameters;
 
 /* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families. A name
@@ -59,6 +60,9 @@ eskel_filter esk_parameters_filter(const esk_parameters *query);
 const esk_label_words *esk_parameters_words(const esk_parameters *query, int32_t label);
 
 eskel_distance_options esk_parameters_distance(const esk_parameters *query);
+
+/* The word that was chosen, or is the default, for a parameter that has a choice: "log" for "signature". */
+const char *esk_parameters_choice(const esk_parameters *query, const char *name);
 
 /* The opaque text of a cursor, for the parameter of that name. */
 #define ESK_CURSOR_SIZE 18

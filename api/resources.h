@@ -20,7 +20,8 @@ bool esk_calibrate_check(eskel_exchange *exchange); /* calibrate.c */
 bool esk_calibrate_get(eskel_exchange *exchange);
 bool esk_distances_check(eskel_exchange *exchange); /* distances.c */
 bool esk_distances_get(eskel_exchange *exchange);
-bool esk_health_live(eskel_exchange *exchange); /* health.c */
+bool esk_evaluation_get(eskel_exchange *exchange); /* evaluate.c */
+bool esk_health_live(eskel_exchange *exchange);    /* health.c */
 bool esk_health_ready(eskel_exchange *exchange);
 bool esk_openapi_get(eskel_exchange *exchange); /* openapi.c */
 

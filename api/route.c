@@ -19,6 +19,7 @@ static const char *const signature[] = {"level", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
+static const char *const evaluation[] = {FILTER, DISTANCE, "leave_out", NULL};
 static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
 
 #define READ ESKEL_ROLE_READ
@@ -27,6 +28,7 @@ static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
 static const esk_route routes[] = {
 	{"/calibration", "GET", READ, ESK_BODY_NONE, true, calibration, esk_calibrate_check, esk_calibrate_get},
 	{"/distances", "GET", READ, ESK_BODY_NONE, true, distances, esk_distances_check, esk_distances_get},
+	{"/evaluation", "GET", READ, ESK_BODY_NONE, true, evaluation, esk_distances_check, esk_evaluation_get},
 	{"/healthz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_live},
 	{"/openapi.json", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_openapi_get},
 	{"/readyz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_ready},

@@ -165,6 +165,8 @@ static void other_requests_are_answered_or_refused(void **state)
 			&file},
 		{{.method = "GET", .path = "/distances", FIELDS({"id", ids})}, NULL},
 		{{.method = "GET", .path = "/distances", FIELDS({"format", "csv"})}, NULL},
+		{{.method = "GET", .path = "/evaluation", FIELDS({"leave_out", "subject"}, {"distance", "level"})},
+			NULL},
 		{{.method = "GET", .path = "/openapi.json"}, NULL},
 		{{.method = "PATCH", .path = shape, .body_size = (int64_t)patch.size}, &patch},
 	};

@@ -90,6 +90,9 @@ static void a_wrong_query_is_refused_by_its_head(void **state)
 		{"GET", "/distances?id=" ID "&class=femur", "id is given beside a filter, expected one of the two"},
 		{"GET", "/distances?level=4", "level is 4 without a use, expected distance=level"},
 		{"GET", "/distances?format=xml", "format is \\\"xml\\\", expected json or csv"},
+		{"GET", "/evaluation?leave_out=class", "leave_out is \\\"class\\\", expected shape or subject"},
+		{"GET", "/evaluation?level=4", "level is 4 without a use, expected distance=level"},
+		{"GET", "/evaluation?id=" ID, "there is no query parameter \\\"id\\\""},
 		{"GET", "/distances?not.subject=a", "there is no query parameter \\\"not.subject\\\""},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -26,6 +26,7 @@ static void every_path_answers_options_with_its_methods(void **state)
 		{"/shapes/" ID "/signature", "GET, HEAD, OPTIONS"},
 		{"/recognize", "GET, HEAD, POST, OPTIONS"},
 		{"/distances", "GET, HEAD, OPTIONS"},
+		{"/evaluation", "GET, HEAD, OPTIONS"},
 		{"/healthz", "GET, HEAD, OPTIONS"},
 		{"/readyz", "GET, HEAD, OPTIONS"},
 		{"/openapi.json", "GET, HEAD, OPTIONS"},
