@@ -21,6 +21,7 @@ static const layout layouts[] = {
 	[ESKEL_REPORT_SHAPE] = {"id", JSON_STRING, esk_report_shape},
 	[ESKEL_REPORT_SKELETON] = {"levels", JSON_ARRAY, esk_report_skeleton},
 	[ESKEL_REPORT_RECOGNITION] = {"results", JSON_ARRAY, esk_report_recognition},
+	[ESKEL_REPORT_EVALUATION] = {"measures", JSON_OBJECT, esk_report_evaluation},
 	[ESKEL_REPORT_DISTANCES] = {"distances", JSON_ARRAY, esk_report_distances},
 };
 
@@ -104,6 +105,32 @@ char *eskel_report_text(const eskel_report *report, bool colour)
 		return NULL;
 	}
 	return text;
+}
+
+/* Of evaluations only. */
+static char *text_of(const eskel_report *report, bool (*write)(const json_t *answers, FILE *out))
+{
+	char *text = NULL;
+	size_t size;
+	FILE *out = report->kind == ESKEL_REPORT_EVALUATION ? open_memstream(&text, &size) : NULL;
+	if (!out)
+		return NULL;
+	bool whole = json_array_size(report->answers) == 0 || write(report->answers, out);
+	if (fclose(out) || !whole) {
+		free(text);
+		return NULL;
+	}
+	return text;
+}
+
+char *eskel_report_csv(const eskel_report *report)
+{
+	return text_of(report, esk_report_evaluation_csv);
+}
+
+char *eskel_report_html(const eskel_report *report)
+{
+	return text_of(report, esk_report_evaluation_html);
 }
 
 size_t eskel_report_unrecognized(const eskel_report *report)

@@ -15,6 +15,11 @@ bool esk_report_shape(const json_t *answers, FILE *out, bool colour);
 bool esk_report_skeleton(const json_t *answers, FILE *out, bool colour);
 bool esk_report_recognition(const json_t *answers, FILE *out, bool colour);
 bool esk_report_distances(const json_t *answers, FILE *out, bool colour);
+bool esk_report_evaluation(const json_t *answers, FILE *out, bool colour);
+
+/* Evaluations for other programs, and as a page. */
+bool esk_report_evaluation_csv(const json_t *answers, FILE *out);
+bool esk_report_evaluation_html(const json_t *answers, FILE *out);
 
 /* The member's text, or "-". */
 const char *esk_report_member(const json_t *object, const char *member);

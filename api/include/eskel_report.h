@@ -14,7 +14,8 @@ typedef enum {
 	ESKEL_REPORT_SHAPE,             /* GET /shapes/{id} */
 	ESKEL_REPORT_SKELETON,          /* GET /shapes/{id}/skeleton, eskel_skeleton_text */
 	ESKEL_REPORT_RECOGNITION,       /* GET and POST /recognize */
-	ESKEL_REPORT_DISTANCES          /* GET /distances */
+	ESKEL_REPORT_DISTANCES,         /* GET /distances */
+	ESKEL_REPORT_EVALUATION         /* GET /evaluation */
 } eskel_report_kind;
 
 typedef struct eskel_report eskel_report;
@@ -29,6 +30,11 @@ ESKEL_API eskel_status eskel_report_add(eskel_report *report, const char *source
 /* All answers so far, "" for none. colour: with ANSI escapes for headings and verdicts. free() it; NULL when memory ran
  * out. */
 ESKEL_API char *eskel_report_text(const eskel_report *report, bool colour);
+
+/* Evaluations so far, a row each: as CSV (RFC 4180), and as an HTML page with plots that needs nothing beside it. "" for
+ * none; free() it; NULL when memory ran out, or for reports of another kind. */
+ESKEL_API char *eskel_report_csv(const eskel_report *report);
+ESKEL_API char *eskel_report_html(const eskel_report *report);
 
 /* Recognitions so far to which nothing in the library was a neighbour. */
 ESKEL_API size_t eskel_report_unrecognized(const eskel_report *report);

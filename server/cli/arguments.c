@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENROLL = 1, RECOGNIZE = 2, DISTANCES = 4, SHOW = 8, SKELETON = 16 };
+enum { ENROLL = 1, RECOGNIZE = 2, DISTANCES = 4, SHOW = 8, SKELETON = 16, EVALUATE = 32 };
 enum {
-	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON,
+	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE,
 	SERVED = ALL & ~SKELETON,
 	FILTERED = SERVED & ~ENROLL,
-	COMPARED = RECOGNIZE | DISTANCES
+	COMPARED = RECOGNIZE | DISTANCES | EVALUATE
 };
 
 static const esk_command commands[] = {
@@ -18,6 +18,8 @@ static const esk_command commands[] = {
 	{"recognize", "FILE|ID...", "say what objects are, and on which side", 1, SIZE_MAX, RECOGNIZE,
 		esk_command_recognize},
 	{"distances", "[ID...]", "the distance of every pair of shapes", 0, SIZE_MAX, DISTANCES, esk_command_distances},
+	{"evaluate", "", "how well distances find classes and sides among stored shapes", 0, 0, EVALUATE,
+		esk_command_evaluate},
 	{"show", "[ID]", "list shapes, or show one", 0, 1, SHOW, esk_command_show},
 	{"skeleton", "FILE", "the skeletons of a volume's objects, without a server", 1, 1, SKELETON,
 		esk_command_skeleton},
@@ -56,6 +58,11 @@ static const esk_option options[] = {
 	{"metric", "KIND", COMPARED, "metric", "manhattan (default) or euclidean"},
 	{"size", "KIND", COMPARED, "size", "fixed (default), or free: size does not count"},
 	{"csv", NULL, DISTANCES, "format=csv", "the matrix as CSV"},
+	{"leave-out", "WHAT", EVALUATE, "leave_out",
+		"what a shape is not compared with: itself (shape, default) or its subject"},
+	{"all", NULL, EVALUATE, NULL, "every distance, but for what is given; a row each"},
+	{"csv", NULL, EVALUATE, NULL, "the rows as CSV"},
+	{"html", "FILE", EVALUATE, NULL, "also a page with plots, into this file"},
 
 	{"class", "CLASS", FILTERED, "class", "only shapes of this class"},
 	{"side", "SIDE", FILTERED, "side", "only of this side: left, right or none"},
@@ -82,7 +89,8 @@ enum { COMMAND_COUNT = sizeof commands / sizeof *commands, OPTION_COUNT = sizeof
 
 static void write_command_help(const esk_command *command, FILE *out)
 {
-	fprintf(out, "usage: eskel %s %s [options]\n\n%s\n\n", command->name, command->operands, command->summary);
+	fprintf(out, "usage: eskel %s%s%s [options]\n\n%s\n\n", command->name, *command->operands ? " " : "",
+		command->operands, command->summary);
 	for (size_t i = 0; i < OPTION_COUNT; i++) {
 		if (!(options[i].commands & command->bit))
 			continue;
@@ -180,7 +188,8 @@ static esk_outcome check_operands(const esk_arguments *arguments)
 	if (esk_arguments_value(arguments, "help") ||
 		(count >= command->fewest_operands && count <= command->most_operands))
 		return ESK_DONE;
-	return esk_complain(ESK_MISUSED, "eskel %s takes %s, %zu given", command->name, command->operands, count);
+	return esk_complain(ESK_MISUSED, "eskel %s takes %s, %zu given", command->name,
+		*command->operands ? command->operands : "no operand", count);
 }
 
 esk_outcome esk_arguments_parse(int argc, char **argv, esk_arguments *arguments)

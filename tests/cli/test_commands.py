@@ -1,7 +1,9 @@
 """Every command against a server: what it answers, and with which exit code."""
 import json
+import re
 import subprocess
 import unittest
+import xml.dom.minidom
 
 import numpy
 
@@ -110,6 +112,35 @@ class Commands(Served):
         heading, *rows = [line.split(",") for line in run.stdout.splitlines()]
         self.assertEqual(heading, ["id", "name", self.ids["hook_left"], self.ids["hook_right"]])
         self.assertEqual([row[0] for row in rows], heading[2:])
+
+    def test_one_evaluation_has_its_details(self):
+        run = self.eskel("evaluate", "--class", "hook")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertIn("2 shapes of 1 classes, 2 of them queries; left out: shape\n", run.stdout)
+        self.assertRegex(run.stdout, r"(?m)^log +sum +- +manhattan +fixed +1\.000 +1\.000")
+        self.assertRegex(run.stdout, r"(?m)^ +0\.05 +2 +1\.000 +2 +1\.000$")
+
+    def test_all_distances_are_evaluated_but_for_what_is_given(self):
+        page = self.path("page.html")
+        run = self.eskel("evaluate", "--all", "--signature", "paper", "--csv", "--html", page)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(len(run.stderr.splitlines()), 12)
+        heading, *rows = [line.split(",") for line in run.stdout.splitlines()]
+        self.assertEqual({row[0] for row in rows}, {"paper"})
+        self.assertEqual(len({tuple(row[:5]) for row in rows}), 12)
+        self.assertEqual(heading[:5], ["signature", "distance", "level", "metric", "size"])
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        self.assertTrue(text.startswith("<!DOCTYPE html>") and text.endswith("</html>\n"))
+        for svg in re.findall(r"<svg.*?</svg>", text, re.DOTALL):
+            xml.dom.minidom.parseString(svg)
+        fixed = self.eskel("evaluate", "--all", "--distance", "level", "--level", 3, "--json", "--quiet")
+        answers = [json.loads(line) for line in fixed.stdout.splitlines()]
+        self.assertEqual([answer["distance"]["level"] for answer in answers], [3] * 8)
+
+    def test_a_subject_can_be_left_out(self):
+        answer = json.loads(self.eskel("evaluate", "--leave-out", "subject", "--json").stdout)
+        self.assertEqual((answer["leave_out"], answer["shapes"], answer["queries"]), ("subject", 3, 0))
 
     def test_the_list_is_filtered_and_paged(self):
         self.assertEqual(len(self.rows(self.eskel("show"))), 3)

@@ -4,7 +4,7 @@ import unittest
 
 from support import NOWHERE, Folder, ball, eskel, hook, side_by_side, write_nifti
 
-COMMANDS = ("enroll", "recognize", "distances", "show", "skeleton")
+COMMANDS = ("enroll", "recognize", "distances", "evaluate", "show", "skeleton")
 
 
 class Usage(Folder):
@@ -30,6 +30,8 @@ class Usage(Folder):
         for arguments, said in (
             (["enrol"], "enrol is not a command"),
             (["enroll"], "eskel enroll takes FILE..., 0 given"),
+            (["evaluate", "a"], "eskel evaluate takes no operand, 1 given"),
+            (["evaluate", "--html", "/nonexistent/page.html"], "/nonexistent/page.html: No such file"),
             (["show", "a", "b"], "eskel show takes [ID], 2 given"),
             (["show", "--shoe"], "--shoe is not an option of show"),
             (["skeleton", "f", "--server=x"], "--server=x is not an option of skeleton"),
@@ -54,7 +56,7 @@ class Usage(Folder):
     def test_an_unreachable_server_is_exit_code_3(self):
         volume = self.path("ball.nii")
         write_nifti(volume, side_by_side(ball(4)))
-        for arguments in (["show"], ["distances"], ["recognize", volume], ["enroll", volume, volume]):
+        for arguments in (["show"], ["distances"], ["evaluate", "--all"], ["recognize", volume], ["enroll", volume, volume]):
             with self.subTest(arguments):
                 self.assert_run(eskel(*arguments, "--server", NOWHERE), 3, NOWHERE + " does not answer")
 

@@ -197,6 +197,129 @@ static void a_matrix_has_one_numbered_column_a_row(void **state)
 	eskel_report_free(report);
 }
 
+static const char evaluation[] =
+	"{\"distance\":{\"signature\":\"log\",\"distance\":\"sum\",\"level\":null,\"metric\":\"manhattan\",\"size\":"
+	"\"fixed\"},"
+	"\"leave_out\":\"subject\",\"shapes\":14,\"classes\":3,\"queries\":12,\"measures\":{\"nearest_neighbour\":0.75,"
+	"\"first_tier\":0.5,\"second_tier\":0.625,\"e_measure\":0.25,\"dcg\":0.875},\"precision_recall\":"
+	"[{\"recall\":0.5,\"precision\":0.75},{\"recall\":1,\"precision\":0.5}],\"confusion\":["
+	"{\"class\":\"cuboid\",\"queries\":4,\"right\":4,\"nearest\":[{\"class\":\"cuboid\",\"queries\":4}]},"
+	"{\"class\":\"<b>&\",\"queries\":4,\"right\":3,\"nearest\":[{\"class\":\"<b>&\",\"queries\":3},"
+	"{\"class\":\"cuboid\",\"queries\":1}]},"
+	"{\"class\":\"talus\",\"queries\":4,\"right\":1,\"nearest\":[{\"class\":\"cuboid\",\"queries\":2},"
+	"{\"class\":\"talus\",\"queries\":1},{\"class\":null,\"queries\":1}]}],"
+	"\"side\":{\"compared\":10,\"thresholds\":[{\"threshold\":0,\"decided\":10,\"right\":7},"
+	"{\"threshold\":0.05,\"decided\":8,\"right\":6}]},"
+	"\"pruned\":{\"searches\":14,\"recall\":0.9,\"steps\":[{\"level\":1,\"kept\":10,\"recall\":0.9}]},"
+	"\"milliseconds\":{\"exact\":{\"mean\":0.5,\"median\":0.25,\"p95\":0.75},"
+	"\"pruned\":{\"mean\":0.125,\"median\":0.1,\"p95\":0.2}}}";
+
+static void an_evaluation_is_a_row_and_its_details(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_EVALUATION);
+	add(report, "evaluation", evaluation);
+	assert_text(report, false,
+		"14 shapes of 3 classes, 12 of them queries; left out: subject\n"
+		"\n"
+		"signature  distance  level  metric     size      NN     FT     ST      E    DCG  decided  right  "
+		"recall  "
+		"exact ms  pruned ms\n"
+		"log        sum           -  manhattan  fixed  0.750  0.500  0.625  0.250  0.875    0.800  0.750   "
+		"0.900  "
+		"   0.250      0.100\n"
+		"\n"
+		"classes whose nearest shape is of another\n"
+		"class  queries  right  taken for\n"
+		"talus        4      1  cuboid 2, -\n"
+		"<b>&         4      3  cuboid\n"
+		"\n"
+		"sides, beside the nearest left or right shape of the class\n"
+		"|score| from  decided  share  right  share\n"
+		"        0.00       10  1.000      7  0.700\n"
+		"        0.05        8  0.800      6  0.750\n"
+		"\n"
+		"mode pruned: shapes still in, and how often the true nearest is\n"
+		"level  kept  recall\n"
+		"    1  10.0   0.900\n"
+		"\n"
+		"mode    mean ms  median ms  p95 ms\n"
+		"exact     0.500      0.250   0.750\n"
+		"pruned    0.125      0.100   0.200\n");
+	eskel_report_free(report);
+}
+
+static void several_evaluations_are_a_row_each(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_EVALUATION);
+	add(report, "one", evaluation);
+	add(report, "other", "{\"measures\":{\"dcg\":null},\"leave_out\":\"shape\",\"distance\":{\"level\":4}}");
+	char *text = eskel_report_text(report, false);
+	assert_non_null(strstr(text, "\n-          -             4  -          -          -  "));
+	assert_null(strstr(text, "taken for"));
+	free(text);
+	eskel_report_free(report);
+}
+
+static void evaluations_are_csv_in_full(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_EVALUATION);
+	char *none = eskel_report_csv(report);
+	assert_string_equal(none, "");
+	add(report, "evaluation", evaluation);
+	char *text = eskel_report_csv(report);
+	assert_string_equal(text,
+		"signature,distance,level,metric,size,leave_out,shapes,classes,queries,nearest_neighbour,first_tier,"
+		"second_tier,e_measure,dcg,sides_compared,sides_decided,sides_right,pruned_recall,exact_mean_ms,"
+		"exact_median_ms,exact_p95_ms,pruned_mean_ms,pruned_median_ms,pruned_p95_ms\r\n"
+		"log,sum,,manhattan,fixed,subject,14,3,12,0.750000,0.500000,0.625000,0.250000,0.875000,10,0.800000,"
+		"0.750000,0.900000,0.500000,0.250000,0.750000,0.125000,0.100000,0.200000\r\n");
+	free(none);
+	free(text);
+	eskel_report_free(report);
+	eskel_report *other = report_of(ESKEL_REPORT_SHAPES);
+	assert_null(eskel_report_csv(other));
+	assert_null(eskel_report_html(other));
+	eskel_report_free(other);
+}
+
+static size_t occurrences(const char *text, const char *part)
+{
+	size_t count = 0;
+	for (; (text = strstr(text, part)) != NULL; text += strlen(part))
+		count++;
+	return count;
+}
+
+static void a_page_of_evaluations_stands_alone_and_trusts_no_name(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_EVALUATION);
+	add(report, "one", evaluation);
+	add(report, "other", "{\"measures\":{\"dcg\":0.9},\"distance\":{\"signature\":\"paper\"}}");
+	char *page = eskel_report_html(report);
+	assert_non_null(page);
+	assert_memory_equal(page, "<!DOCTYPE html>", 15);
+	assert_non_null(strstr(page, "the nearest shape of every query is of its class"));
+	assert_true(strstr(page, "<td class=\"text\">paper</td>") < strstr(page, "<td class=\"text\">log</td>"));
+	free(page);
+	eskel_report_free(report);
+	report = report_of(ESKEL_REPORT_EVALUATION);
+	add(report, "one", evaluation);
+	page = eskel_report_html(report);
+	assert_null(strstr(page, "<b>"));
+	assert_true(occurrences(page, "&lt;b&gt;&amp;") >= 3);
+	assert_int_equal(occurrences(page, "<svg "), 4);
+	assert_int_equal(occurrences(page, "</svg>"), 4);
+	assert_int_equal(occurrences(page, "</title>\n<desc id="), 4);
+	assert_int_equal(occurrences(page, "://"), occurrences(page, "xmlns=\"http://www.w3.org/2000/svg\""));
+	assert_null(strstr(page, "<script"));
+	free(page);
+	eskel_report_free(report);
+}
+
 static void a_skeleton_shows_its_levels_and_its_deepest_classes(void **state)
 {
 	(void)state;
@@ -250,6 +373,10 @@ int main(void)
 		cmocka_unit_test(a_single_recognition_lists_its_neighbours_and_explains_itself),
 		cmocka_unit_test(colour_marks_a_label_that_disagrees),
 		cmocka_unit_test(a_matrix_has_one_numbered_column_a_row),
+		cmocka_unit_test(an_evaluation_is_a_row_and_its_details),
+		cmocka_unit_test(several_evaluations_are_a_row_each),
+		cmocka_unit_test(evaluations_are_csv_in_full),
+		cmocka_unit_test(a_page_of_evaluations_stands_alone_and_trusts_no_name),
 		cmocka_unit_test(a_skeleton_shows_its_levels_and_its_deepest_classes),
 		cmocka_unit_test(a_problem_is_its_detail_or_its_title),
 	};
