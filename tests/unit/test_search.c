@@ -299,7 +299,7 @@ static void the_pruned_search_takes_the_steps_of_the_paper(void **state)
 static void a_shape_can_be_watched_through_the_steps_of_the_pruned_search(void **state)
 {
 	(void)state;
-	shelf s = make_shelf(300, 30, 0.3, 3);
+	shelf s = make_shelf(150, 15, 0.3, 3);
 	for (int o = 0; o < combinations; o++) {
 		eskel_search_options options = {.distance = combination(o), .mode = ESKEL_SEARCH_PRUNED, .watch = true};
 		pair *left = prune_by_sorting(&s, s.signatures[8], &options.distance);
@@ -316,7 +316,7 @@ static void a_shape_can_be_watched_through_the_steps_of_the_pruned_search(void *
 			memcpy(kept, result->kept, sizeof kept);
 			eskel_search_result_free(result);
 		}
-		assert_int_equal(outlived[0], 30);
+		assert_int_equal(outlived[0], 15);
 		assert_memory_equal(outlived, kept, sizeof kept);
 		free(left);
 	}
