@@ -296,8 +296,7 @@ static bool write_distances(const json_t *answers, FILE *out, bool colour)
 bool esk_report_evaluation(const json_t *answers, FILE *out, bool colour)
 {
 	const json_t *first = json_object_get(json_array_get(answers, 0), "answer");
-	fprintf(out,
-		"%.0f shapes of %.0f classes, %.0f of them queries; left out: ", esk_evaluation_number(first, "shapes"),
+	fprintf(out, "shapes: %.0f, classes: %.0f, queries: %.0f, left out: ", esk_evaluation_number(first, "shapes"),
 		esk_evaluation_number(first, "classes"), esk_evaluation_number(first, "queries"));
 	esk_table_write_plain(out, esk_report_member(first, "leave_out"));
 	fputs("\n\n", out);

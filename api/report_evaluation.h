@@ -8,7 +8,7 @@
 /* A column of the table of distances. */
 typedef struct {
 	esk_column column;
-	const char *csv;                       /* its name in CSV, where it is not the path */
+	const char *csv;                       /* its name in CSV */
 	const char *path;                      /* of members, "milliseconds.exact.median" */
 	int decimals;                          /* of a number; -1: a text or whole number */
 	double (*value)(const json_t *answer); /* in place of the path; NaN: none */

@@ -158,17 +158,22 @@ static void write_sides(const json_t *answer, FILE *out)
 	fputs("</figure>\n</section>\n", out);
 }
 
+/* Without a query there is no DCG: such an answer comes last. */
+static double dcg_of(const void *answer)
+{
+	return fmax(esk_evaluation_number(*(const json_t *const *)answer, "measures.dcg"), -1);
+}
+
 static int best_first(const void *a, const void *b)
 {
-	const double x = esk_evaluation_number(*(const json_t *const *)a, "measures.dcg"),
-		     y = esk_evaluation_number(*(const json_t *const *)b, "measures.dcg");
+	const double x = dcg_of(a), y = dcg_of(b);
 	return x > y ? -1 : x < y;
 }
 
 static bool write_page(const json_t *const *answers, size_t count, FILE *out)
 {
 	fputs(head, out);
-	fprintf(out, "<p>%.0f shapes of %.0f classes, %.0f of them queries, each compared with the others; left out: ",
+	fprintf(out, "<p>Shapes: %.0f, classes: %.0f, queries: %.0f, each compared with all but its own ",
 		esk_evaluation_number(answers[0], "shapes"), esk_evaluation_number(answers[0], "classes"),
 		esk_evaluation_number(answers[0], "queries"));
 	esk_html_write(out, esk_report_member(answers[0], "leave_out"));

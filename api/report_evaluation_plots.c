@@ -8,7 +8,7 @@
 
 static const char ink[] = "#1f2933", faint[] = "#cbd2d9", blue[] = "#1f5fa8", orange[] = "#c2571a";
 
-/* The title's number makes the ids of one page unique. */
+/* The id makes those of title and description unique on a page. What follows is the description. */
 static void begin(FILE *out, const char *id, int width, int height, const char *title)
 {
 	fprintf(out,

@@ -116,7 +116,7 @@ class Commands(Served):
     def test_one_evaluation_has_its_details(self):
         run = self.eskel("evaluate", "--class", "hook")
         self.assertEqual((run.returncode, run.stderr), (0, ""))
-        self.assertIn("2 shapes of 1 classes, 2 of them queries; left out: shape\n", run.stdout)
+        self.assertIn("shapes: 2, classes: 1, queries: 2, left out: shape\n", run.stdout)
         self.assertRegex(run.stdout, r"(?m)^log +sum +- +manhattan +fixed +1\.000 +1\.000")
         self.assertRegex(run.stdout, r"(?m)^ +0\.05 +2 +1\.000 +2 +1\.000$")
 

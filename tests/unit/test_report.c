@@ -220,7 +220,7 @@ static void an_evaluation_is_a_row_and_its_details(void **state)
 	eskel_report *report = report_of(ESKEL_REPORT_EVALUATION);
 	add(report, "evaluation", evaluation);
 	assert_text(report, false,
-		"14 shapes of 3 classes, 12 of them queries; left out: subject\n"
+		"shapes: 14, classes: 3, queries: 12, left out: subject\n"
 		"\n"
 		"signature  distance  level  metric     size      NN     FT     ST      E    DCG  decided  right  "
 		"recall  "
