@@ -1,11 +1,11 @@
 /* Each shape of an evaluation searched for in both modes: how long it takes, and after which steps of the pruned search its
  * true nearest shape, which the distances have told, is still in. One search at a time, so that times are those of a
  * server that does nothing else. */
+#include "clock.h"
 #include "evaluation.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 enum { limit = 5 }; /* neighbours, as a recognition asks for by default */
 
@@ -13,18 +13,11 @@ typedef struct {
 	eskel_api *api;
 	eskel_distance_options distance;
 	esk_evaluation *evaluation;
-	int64_t *keys;          /* of those that a query is compared with */
+	eskel_key_block *keys;  /* of those that a query is compared with */
 	double *exact, *pruned; /* milliseconds of each search */
 } trial;
 
-static double now_in_milliseconds(void)
-{
-	struct timespec now;
-	clock_gettime(CLOCK_MONOTONIC, &now);
-	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
-
-/* Ascending, as the shapes are. */
+/* Returns the number of blocks; the shapes are by ascending keys. */
 static size_t choose_keys(const trial *t, size_t query)
 {
 	const esk_evaluation *e = t->evaluation;
@@ -32,7 +25,7 @@ static size_t choose_keys(const trial *t, size_t query)
 	size_t count = 0;
 	for (size_t i = 0; i < e->count; i++)
 		if (!eskel_evaluation_leaves_out(&numbers, query, i))
-			t->keys[count++] = e->shapes[i].key;
+			count = eskel_key_blocks_add(t->keys, count, e->shapes[i].key, 1);
 	return count;
 }
 
@@ -54,9 +47,9 @@ static void count_steps(esk_search_accuracy *search, const eskel_search_result *
 static bool search_timed(const trial *t, const eskel_signature *signature, const eskel_search_options *options,
 	double *milliseconds, eskel_search_result **found, esk_problem *problem)
 {
-	double start = now_in_milliseconds();
+	double start = esk_clock_milliseconds();
 	eskel_status status = eskel_library_search(t->api->library, signature, options, found);
-	*milliseconds = now_in_milliseconds() - start;
+	*milliseconds = esk_clock_milliseconds() - start;
 	return esk_problem_engine(problem, status, NULL);
 }
 
@@ -68,7 +61,7 @@ static bool search_both(const trial *t, size_t query, const eskel_signature *sig
 		.distance = t->distance,
 		.limit = limit,
 		.keys = t->keys,
-		.key_count = choose_keys(t, query),
+		.key_block_count = choose_keys(t, query),
 		.watch = true,
 		.watched_key = nearest,
 	};

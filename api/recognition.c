@@ -2,9 +2,9 @@
 #include "recognition.h"
 
 #include "calibration.h"
+#include "clock.h"
 
 #include <stdlib.h>
-#include <time.h>
 
 bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem)
 {
@@ -27,13 +27,6 @@ void esk_choice_clear(esk_choice *choice)
 	*choice = (esk_choice){0};
 }
 
-static double now_in_milliseconds(void)
-{
-	struct timespec now;
-	clock_gettime(CLOCK_MONOTONIC, &now);
-	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
-
 static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, eskel_search_options *options,
 	esk_recognition *recognition, esk_problem *problem)
 {
@@ -43,9 +36,9 @@ static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice 
 	options->key_block_count = choice->block_count;
 	options->leave_out = unknown->shape->key != 0;
 	options->left_out_key = unknown->shape->key;
-	double start = now_in_milliseconds();
+	double start = esk_clock_milliseconds();
 	eskel_status status = eskel_library_search(api->library, unknown->signature, options, &recognition->search);
-	recognition->milliseconds = now_in_milliseconds() - start;
+	recognition->milliseconds = esk_clock_milliseconds() - start;
 	return esk_problem_engine(problem, status, NULL);
 }
 

@@ -302,7 +302,7 @@ static void a_shape_can_be_watched_through_the_steps_of_the_pruned_search(void *
 	shelf s = make_shelf(150, 15, 0.3, 3);
 	for (int o = 0; o < combinations; o++) {
 		eskel_search_options options = {.distance = combination(o), .mode = ESKEL_SEARCH_PRUNED, .watch = true};
-		pair *left = prune_by_sorting(&s, s.signatures[8], &options.distance);
+		pair *left = prune_by_sorting(&s, s.signatures[8], &options);
 		size_t outlived[ESKEL_LEVELS_MAX] = {0}, kept[ESKEL_LEVELS_MAX] = {0};
 		for (size_t n = 0; n < s.count; n++) {
 			options.watched_key = key_of(n);
