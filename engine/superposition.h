@@ -12,4 +12,8 @@ enum { ESK_SUPERPOSITION_FIRST_LEVEL = 4 };
 void esk_superposition_costs(
 	const esk_placed_class *a, const esk_placed_class *b, uint32_t last, double *proper, double *improper);
 
+/* The proper and the improper orthogonal matrix that turns b on a at the least cost, where one pose has to serve all levels
+ * from 1 to last: partitions differ from level to level, and what is seen side by side is the shapes. */
+void esk_superposition_poses(const esk_placed_class *a, const esk_placed_class *b, uint32_t last, double best[2][3][3]);
+
 #endif

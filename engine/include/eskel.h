@@ -453,4 +453,65 @@ typedef struct {
 ESKEL_API eskel_status eskel_chirality_compare(const eskel_placement *a, const eskel_placement *b,
 	eskel_chirality *chirality);
 
+/* ---------------------------------------------------------------------------------------------- isomorphism */
+
+/* How deep two trees are alike (section 5.4): down to depth, the splits of a are those of b under the bijection. */
+typedef struct {
+	uint32_t depth;                 /* deepest level with a bijection, at least 1 */
+	bool complete;                  /* depth is the deepest level that both have */
+	int32_t split_class[2];         /* of level depth: what a and b split next, -1 where the tree ends; unless complete,
+	                                 * the bijection does not match them */
+	uint8_t other[ESKEL_NODES(ESKEL_LEVELS_MAX)]; /* down to depth, class c of level k of a at ESKEL_NODES(k - 1) + c */
+} eskel_isomorphism;
+
+/* The parts of matched split classes are matched one way or the other, whichever costs less in class signatures, and in
+ * their own order on a tie. Swapping a and b inverts the bijection. ESKEL_INVALID as eskel_distance. */
+ESKEL_API eskel_status eskel_isomorphism_find(const eskel_skeleton *a, const eskel_skeleton *b,
+	const eskel_distance_options *options, eskel_isomorphism *isomorphism);
+
+/* ---------------------------------------------------------------------------------------------- partition signature */
+
+/* A k-partition as a whole (section 5.6). Distances change with nothing but size and shape; so do volumes, up to the sign
+ * that all of them change in a mirror. */
+typedef struct {
+	uint32_t level;
+	double volume;              /* of the whole, mm^3 */
+	size_t distance_count;      /* k (k - 1) / 2 */
+	double *distances;          /* mm, of class centres i < j, lexicographic */
+	size_t tetrahedron_count;   /* k (k - 1) (k - 2) (k - 3) / 24 */
+	double *tetrahedra;         /* mm^3, signed volumes, of class centres i < j < l < m, lexicographic */
+} eskel_partition_signature;
+
+/* order[i] is the class that comes i-th, as in eskel_match.other to compare with a match's other shape; NULL: as they are
+ * numbered. ESKEL_INVALID unless the skeleton has the level and order all its classes. 5 MB at level 64, O(k^4). */
+ESKEL_API eskel_status eskel_partition_signature_new(const eskel_skeleton *skeleton, uint32_t level,
+	const uint32_t *order, eskel_partition_signature **signature);
+ESKEL_API void eskel_partition_signature_free(eskel_partition_signature *signature);
+
+/* Means of differences, entry by entry: 0 where a level is too low to have any. */
+typedef struct {
+	double distances;           /* mm */
+	double tetrahedra;          /* mm^3, of unsigned volumes; never above the next two */
+	double same_tetrahedra;     /* of signed volumes */
+	double mirrored_tetrahedra; /* of signed volumes, those of b with the other sign */
+} eskel_partition_difference;
+
+/* Where size is free b is brought to the volume of a first. ESKEL_INVALID unless of one level. */
+ESKEL_API eskel_status eskel_partition_signature_compare(const eskel_partition_signature *a,
+	const eskel_partition_signature *b, eskel_size size, eskel_partition_difference *difference);
+
+/* ---------------------------------------------------------------------------------------------- superposition */
+
+/* An isometry that lays a shape on another one. */
+typedef struct {
+	eskel_affine map;   /* from world mm of a to world mm of b; its linear part is orthogonal, of determinant 1 or -1 */
+	double rms;         /* mm: root mean square, over the matter of both, of the distance from the centre of a class to
+	                     * the nearest one of the other shape, at the deepest level of 16 or less that both have */
+} eskel_superposition;
+
+/* The best of either hand: a turned (proper), and a mirrored and turned (improper), centre on centre. Size is not
+ * changed, and does not count in which is best. */
+ESKEL_API void eskel_superposition_find(const eskel_skeleton *a, const eskel_skeleton *b,
+	eskel_superposition *proper, eskel_superposition *improper);
+
 #endif

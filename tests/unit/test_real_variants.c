@@ -89,6 +89,87 @@ static void mirrored_the_talus_is_as_near_and_of_the_other_hand(void **state)
 	real_shape_clear(&mirrored);
 }
 
+/* a after b. */
+static eskel_affine product(const double a[3][3], const eskel_affine *b)
+{
+	eskel_affine out;
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 4; c++)
+			out.m[r][c] = a[r][0] * b->m[0][c] + a[r][1] * b->m[1][c] + a[r][2] * b->m[2][c];
+	return out;
+}
+
+/* How far two isometries send the centres of the deepest classes of the talus apart, at most, in mm. */
+static double disagreement(const eskel_affine *p, const eskel_affine *q)
+{
+	double greatest = 0;
+	for (uint32_t i = 0; i < talus.skeleton->level_count; i++) {
+		const double *x = eskel_skeleton_node(talus.skeleton, talus.skeleton->level_count, i)->centre;
+		double square = 0;
+		for (int r = 0; r < 3; r++) {
+			double d = p->m[r][3] - q->m[r][3];
+			for (int c = 0; c < 3; c++)
+				d += (p->m[r][c] - q->m[r][c]) * x[c];
+			square += d * d;
+		}
+		greatest = fmax(greatest, sqrt(square));
+	}
+	return greatest;
+}
+
+static void isometries_of_the_talus_are_recovered(void **state)
+{
+	(void)state;
+	static const eskel_affine identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+	uint64_t random = 2;
+	double most = 0, rms = 0;
+	for (int n = 0; n < 10; n++) {
+		double linear[3][3];
+		skeletons_rotation(&random, linear);
+		for (int r = 0; r < 3 && n % 2; r++)
+			linear[r][1] = -linear[r][1];
+		const eskel_affine moved = product((const double(*)[3])linear, &talus.cloud->affine);
+		const eskel_affine expected = product((const double(*)[3])linear, &identity);
+		eskel_superposition found[2];
+		eskel_cloud *cloud = NULL;
+		assert_int_equal(eskel_cloud_new(talus.cloud->runs, NULL, talus.cloud->run_count, &moved, &cloud, NULL),
+			ESKEL_OK);
+		real_shape shape = {.name = "moved talus"};
+		real_shape_compute(&shape, cloud);
+		eskel_superposition_find(talus.skeleton, shape.skeleton, &found[0], &found[1]);
+		most = fmax(most, disagreement(&found[n % 2].map, &expected));
+		rms = fmax(rms, found[n % 2].rms);
+		assert_true(found[1 - n % 2].rms > 0.5);
+		real_shape_clear(&shape);
+	}
+	print_message("    off by %.3g mm at most, rms %.3g mm\n", most, rms);
+	assert_true(most < 1e-3 && rms < 1e-3); /* measured 3.4e-4: clouds round the offset of their affine */
+}
+
+/* Files that hold the talus in its own place, or its mirror image. */
+static void the_talus_is_laid_on_its_resampled_and_mirrored_copies(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *path;
+		bool mirrored;
+		double most_off, most_rms; /* mm */
+	} cases[] = {{VARIANT("aniso_0.8x0.8x1.6"), false, 1, 1}, {VARIANT("MIRRORED_x"), true, 1e-3, 1e-3}};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		real_shape variant = {0};
+		eskel_superposition found[2];
+		real_shape_read(&variant, cases[i].path);
+		eskel_superposition_find(talus.skeleton, variant.skeleton, &found[0], &found[1]);
+		const eskel_superposition *right = &found[cases[i].mirrored];
+		eskel_affine expected = {{{cases[i].mirrored ? -1 : 1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+		expected.m[0][3] = cases[i].mirrored ? right->map.m[0][3] : 0; /* the mirror's place is the file's */
+		double off = disagreement(&right->map, &expected);
+		print_message("    %s: off by %.3g mm, rms %.3g mm\n", variant.name, off, right->rms);
+		assert_true(off < cases[i].most_off && right->rms < cases[i].most_rms);
+		real_shape_clear(&variant);
+	}
+}
+
 /* The same voxels under a turned affine: only its rounding to float, and exact ties of the clustering, may tell. */
 static void turning_the_affine_changes_no_distance(void **state)
 {
@@ -143,6 +224,8 @@ int main(void)
 		cmocka_unit_test(every_axis_order_and_type_gives_the_same_cloud),
 		cmocka_unit_test(resampled_the_talus_is_close_and_of_the_same_hand),
 		cmocka_unit_test(mirrored_the_talus_is_as_near_and_of_the_other_hand),
+		cmocka_unit_test(isometries_of_the_talus_are_recovered),
+		cmocka_unit_test(the_talus_is_laid_on_its_resampled_and_mirrored_copies),
 		cmocka_unit_test(turning_the_affine_changes_no_distance),
 	};
 	return cmocka_run_group_tests(tests, read_talus, free_talus);
