@@ -42,7 +42,23 @@ static bool search(eskel_api *api, const esk_unknown *unknown, const esk_choice 
 	return esk_problem_engine(problem, status, NULL);
 }
 
-static bool gather(eskel_api *api, const esk_unknown *unknown, esk_recognition *recognition, esk_problem *problem)
+static eskel_store_status take(eskel_api *api, const eskel_neighbour *found, bool explained, esk_neighbour *neighbour,
+	eskel_store_error *error)
+{
+	esk_neighbour taken = {.found = found};
+	eskel_store_status status = esk_known_by_key(api->known, found->key, &taken.known, error);
+	if (status == ESKEL_STORE_OK && explained)
+		status = eskel_store_skeleton(api->store, found->key, &taken.skeleton, error);
+	if (status == ESKEL_STORE_OK)
+		*neighbour = taken;
+	else
+		esk_known_release(api->known, taken.known);
+	return status;
+}
+
+/* The first so many neighbours are to be explained. */
+static bool gather(eskel_api *api, const esk_unknown *unknown, size_t explained, esk_recognition *recognition,
+	esk_problem *problem)
 {
 	const eskel_search_result *found = recognition->search;
 	recognition->neighbours = calloc(found->count + 1, sizeof *recognition->neighbours);
@@ -51,13 +67,12 @@ static bool gather(eskel_api *api, const esk_unknown *unknown, esk_recognition *
 	for (size_t i = 0; i < found->count; i++) {
 		esk_neighbour *neighbour = &recognition->neighbours[recognition->count];
 		eskel_store_error error = {0};
-		eskel_store_status status =
-			esk_known_by_key(api->known, found->neighbours[i].key, &neighbour->known, &error);
+		eskel_store_status status = take(
+			api, &found->neighbours[i], recognition->count < explained, neighbour, &error);
 		if (status == ESKEL_STORE_NOT_FOUND)
 			continue;
 		if (!esk_problem_store(problem, status, &error))
 			return false;
-		neighbour->found = &found->neighbours[i];
 		recognition->count++;
 		eskel_status compared =
 			eskel_chirality_compare(unknown->placement, neighbour->known->placement, &neighbour->chirality);
@@ -67,11 +82,11 @@ static bool gather(eskel_api *api, const esk_unknown *unknown, esk_recognition *
 	return true;
 }
 
-bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
+bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, size_t explained,
 	eskel_search_options *options, esk_recognition *recognition, esk_problem *problem)
 {
 	return search(api, unknown, choice, options, recognition, problem) &&
-	       gather(api, unknown, recognition, problem);
+	       gather(api, unknown, explained, recognition, problem);
 }
 
 void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *evidence)
@@ -92,16 +107,17 @@ void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *
 bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
 	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem)
 {
+	const size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
 	eskel_search_options options = {
 		.distance = esk_parameters_distance(query),
 		.mode = (eskel_search_mode)query->mode,
 		.keep = query->keep,
 		.minimum = query->minimum,
-		.limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT,
+		.limit = limit,
 	};
 	esk_evidence evidence;
 	esk_scores scores;
-	if (!esk_recognition_find(api, unknown, choice, &options, recognition, problem))
+	if (!esk_recognition_find(api, unknown, choice, query->explain ? limit : 0, &options, recognition, problem))
 		return false;
 	esk_recognition_evidence(recognition, &evidence);
 	if (!esk_calibration_score(api->calibration, &options.distance, &evidence, &scores, problem))
@@ -114,8 +130,10 @@ bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_
 
 void esk_recognition_clear(eskel_api *api, esk_recognition *recognition)
 {
-	for (size_t i = 0; i < recognition->count; i++)
+	for (size_t i = 0; i < recognition->count; i++) {
 		esk_known_release(api->known, recognition->neighbours[i].known);
+		eskel_skeleton_free(recognition->neighbours[i].skeleton);
+	}
 	free(recognition->neighbours);
 	eskel_search_result_free(recognition->search);
 	*recognition = (esk_recognition){0};

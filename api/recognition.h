@@ -14,6 +14,7 @@ typedef struct {
 	const eskel_shape *shape;
 	const eskel_placement *placement;
 	const eskel_signature *signature;
+	const eskel_skeleton *skeleton; /* for explain only */
 } esk_unknown;
 
 /* What it is compared with: the keys that a filter leaves, or all. */
@@ -26,6 +27,7 @@ typedef struct {
 	const eskel_neighbour *found; /* of the search result */
 	const esk_known_shape *known;
 	eskel_chirality chirality;
+	eskel_skeleton *skeleton; /* of those explained, otherwise NULL */
 } esk_neighbour;
 
 typedef struct {
@@ -40,9 +42,9 @@ typedef struct {
 bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem);
 void esk_choice_clear(esk_choice *choice);
 
-/* The neighbours, without a verdict: at least ESK_VOTERS where there are so many. Sets the keys and what is left out in the
- * options. Clear the recognition also after a failure. */
-bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
+/* The neighbours, without a verdict: at least ESK_VOTERS where there are so many, the first so many with what explaining
+ * them takes. Sets the keys and what is left out in the options. Clear the recognition also after a failure. */
+bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, size_t explained,
 	eskel_search_options *options, esk_recognition *recognition, esk_problem *problem);
 void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *evidence);
 

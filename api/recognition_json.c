@@ -1,12 +1,9 @@
 /* One recognition as JSON, see recognition.h. */
-#include "difference.h"
+#include "explanation.h"
 #include "recognition.h"
 #include "shape_json.h"
 
 #include <math.h>
-
-/* Classes are explained at a level that a person can still look at. */
-#define EXPLAINED_LEVEL 10
 
 static json_t *search_json(const esk_recognition *recognition, const esk_parameters *query)
 {
@@ -45,62 +42,21 @@ static json_t *chirality_json(const eskel_chirality *chirality)
 		esk_json_real(chirality->score), "determinant", determinant);
 }
 
-static json_t *match_json(const eskel_match *match)
+static bool explain(
+	json_t *json, const esk_unknown *unknown, const esk_neighbour *neighbour, const esk_parameters *query)
 {
-	json_t *pairs = json_array();
-	for (uint32_t i = 0; i < match->level; i++) {
-		json_t *pair = json_pack("[i, i, o]", (int)i, (int)match->other[i], esk_json_real(match->pair_cost[i]));
-		if (json_array_append_new(pairs, pair) != 0) {
-			json_decref(pairs);
-			return NULL;
-		}
-	}
-	return json_pack("{s:i, s:o}", "level", (int)match->level, "pairs", pairs);
+	const esk_compared shape = {unknown->signature, unknown->skeleton};
+	const esk_compared other = {neighbour->known->signature, neighbour->skeleton};
+	return esk_explanation_add(json, &shape, &other, &neighbour->chirality, query);
 }
 
-static json_t *difference_json(const esk_difference *difference)
+static bool explain_query(json_t *json, const eskel_skeleton *skeleton, const esk_parameters *query)
 {
-	return json_pack("{s:i, s:i, s:o, s:o, s:s?}", "class", (int)difference->class_index, "other",
-		(int)difference->other, "length_ratio", esk_json_reals(difference->length_ratio, 3),
-		"rho_difference_mm", esk_json_real(difference->rho_difference), "text",
-		difference->text[0] ? difference->text : NULL);
+	json_t *classes = esk_explanation_classes(skeleton, esk_explanation_level(skeleton, query));
+	return json_object_set_new(json, "classes", classes) == 0;
 }
 
-static json_t *differences_json(
-	const eskel_signature *query, const eskel_signature *neighbour, const eskel_match *match, eskel_size size)
-{
-	json_t *array = json_array();
-	for (uint32_t i = 0; i < match->level; i++) {
-		esk_difference difference;
-		esk_difference_of_class(query, neighbour, match, size, i, &difference);
-		if (json_array_append_new(array, difference_json(&difference)) != 0) {
-			json_decref(array);
-			return NULL;
-		}
-	}
-	return array;
-}
-
-/* Adds match and differences, at the level asked for or EXPLAINED_LEVEL, or at the deepest that both have. */
-static bool explain(json_t *json, const eskel_signature *query_signature, const esk_neighbour *neighbour,
-	const esk_parameters *query)
-{
-	const eskel_distance_options options = esk_parameters_distance(query);
-	uint32_t level = query->level ? query->level : EXPLAINED_LEVEL;
-	eskel_match match;
-	if (level > query_signature->level_count)
-		level = query_signature->level_count;
-	if (level > neighbour->known->signature->level_count)
-		level = neighbour->known->signature->level_count;
-	if (eskel_match_level(query_signature, neighbour->known->signature, &options, level, &match) != ESKEL_OK)
-		return false;
-	return json_object_set_new(json, "match", match_json(&match)) == 0 &&
-	       json_object_set_new(json, "differences",
-		       differences_json(query_signature, neighbour->known->signature, &match, options.size)) == 0;
-}
-
-static json_t *neighbour_json(
-	const eskel_signature *query_signature, const esk_neighbour *neighbour, const esk_parameters *query)
+static json_t *neighbour_json(const esk_unknown *unknown, const esk_neighbour *neighbour, const esk_parameters *query)
 {
 	const eskel_neighbour *found = neighbour->found;
 	const eskel_shape *shape = &neighbour->known->shape;
@@ -109,7 +65,7 @@ static json_t *neighbour_json(
 		"class", said->class, "side", esk_value_side_text(said->side), "subject", said->subject, "distance",
 		esk_json_real(found->distance), "levels", esk_json_reals(found->levels, found->level_count),
 		"chirality", chirality_json(&neighbour->chirality));
-	if (json && query->explain && !explain(json, query_signature, neighbour, query)) {
+	if (json && query->explain && !explain(json, unknown, neighbour, query)) {
 		json_decref(json);
 		return NULL;
 	}
@@ -117,13 +73,12 @@ static json_t *neighbour_json(
 }
 
 static json_t *neighbours_json(
-	const eskel_signature *query_signature, const esk_recognition *recognition, const esk_parameters *query)
+	const esk_unknown *unknown, const esk_recognition *recognition, const esk_parameters *query)
 {
 	size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
 	json_t *array = json_array();
 	for (size_t i = 0; i < recognition->count && i < limit; i++)
-		if (json_array_append_new(array, neighbour_json(query_signature, &recognition->neighbours[i], query)) !=
-			0) {
+		if (json_array_append_new(array, neighbour_json(unknown, &recognition->neighbours[i], query)) != 0) {
 			json_decref(array);
 			return NULL;
 		}
@@ -143,7 +98,12 @@ static json_t *verdict_json(const esk_verdict *verdict)
 json_t *esk_recognition_json(
 	const esk_unknown *unknown, const esk_recognition *recognition, const esk_parameters *query)
 {
-	return json_pack("{s:o, s:o, s:o, s:o}", "query", esk_shape_json(unknown->shape), "search",
-		search_json(recognition, query), "neighbours", neighbours_json(unknown->signature, recognition, query),
-		"verdict", verdict_json(&recognition->verdict));
+	json_t *json = json_pack("{s:o, s:o, s:o, s:o}", "query", esk_shape_json(unknown->shape), "search",
+		search_json(recognition, query), "neighbours", neighbours_json(unknown, recognition, query), "verdict",
+		verdict_json(&recognition->verdict));
+	if (json && query->explain && !explain_query(json, unknown->skeleton, query)) {
+		json_decref(json);
+		return NULL;
+	}
+	return json;
 }

@@ -43,10 +43,13 @@ static bool answer_results(eskel_exchange *exchange, json_t *results)
 	return esk_exchange_answer_json(exchange, 200, json_pack("{s:o}", "results", results));
 }
 
-static bool know(eskel_exchange *exchange, const char *id, const esk_known_shape **known)
+/* Of a stored shape what recognition needs, and its skeleton where it is to be explained. */
+static bool know(eskel_exchange *exchange, const char *id, const esk_known_shape **known, eskel_skeleton **skeleton)
 {
 	eskel_store_error error = {0};
 	eskel_store_status status = esk_known_by_id(exchange->api->known, id, known, &error);
+	if (status == ESKEL_STORE_OK && exchange->query.explain)
+		status = eskel_store_skeleton(exchange->api->store, (*known)->shape.key, skeleton, &error);
 	if (status == ESKEL_STORE_NOT_FOUND)
 		return esk_problem_no_shape(&exchange->problem, id);
 	return esk_problem_store(&exchange->problem, status, &error);
@@ -55,17 +58,19 @@ static bool know(eskel_exchange *exchange, const char *id, const esk_known_shape
 bool esk_recognize_shape(eskel_exchange *exchange)
 {
 	const esk_known_shape *known = NULL;
+	eskel_skeleton *skeleton = NULL;
 	esk_choice choice = {0};
 	json_t *results = json_array();
-	bool good = know(exchange, exchange->query.shape, &known) &&
+	bool good = know(exchange, exchange->query.shape, &known, &skeleton) &&
 		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
-		    recognize(exchange, &(esk_unknown){&known->shape, known->placement, known->signature}, &choice,
-			    results);
+		    recognize(exchange, &(esk_unknown){&known->shape, known->placement, known->signature, skeleton},
+			    &choice, results);
 	if (good)
 		good = answer_results(exchange, results);
 	else
 		json_decref(results);
 	esk_choice_clear(&choice);
+	eskel_skeleton_free(skeleton);
 	esk_known_release(exchange->api->known, known);
 	return good;
 }
@@ -88,7 +93,7 @@ static bool recognize_specimen(
 {
 	eskel_placement *placement = NULL;
 	eskel_status status = eskel_placement_new(specimen->skeleton, &placement);
-	const esk_unknown unknown = {&specimen->shape, placement, specimen->signature};
+	const esk_unknown unknown = {&specimen->shape, placement, specimen->signature, specimen->skeleton};
 	bool good =
 		esk_problem_engine(&exchange->problem, status, NULL) && recognize(exchange, &unknown, choice, results);
 	eskel_placement_free(placement);

@@ -74,7 +74,7 @@ static bool find_fellow(eskel_api *api, const eskel_signature *signature, const 
 static bool hold(eskel_api *api, const eskel_distance_options *distance, const esk_known_shape *known, esk_trial *trial,
 	esk_problem *problem)
 {
-	const esk_unknown unknown = {&known->shape, known->placement, known->signature};
+	const esk_unknown unknown = {&known->shape, known->placement, known->signature, NULL};
 	eskel_search_options options = {.distance = *distance, .limit = ESK_VOTERS};
 	const eskel_description *said = &known->shape.description;
 	esk_choice fellows = {0}, others = {0};
@@ -86,7 +86,7 @@ static bool hold(eskel_api *api, const eskel_distance_options *distance, const e
 	bool good = trial->class || esk_problem_no_memory(problem);
 	good = good && choose(api, said, &fellows, &others, problem) &&
 	       find_fellow(api, known->signature, distance, &fellows, trial, problem) &&
-	       esk_recognition_find(api, &unknown, &others, &options, &met, problem) && note_told(&met, trial, problem);
+	       esk_recognition_find(api, &unknown, &others, 0, &options, &met, problem) && note_told(&met, trial, problem);
 	esk_recognition_clear(api, &met);
 	esk_choice_clear(&fellows);
 	esk_choice_clear(&others);

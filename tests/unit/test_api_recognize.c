@@ -217,15 +217,24 @@ static void an_explanation_matches_classes_and_names_differences(void **state)
 	       *differences = at(&a, "results.0.neighbours.0.differences");
 	assert_int_equal(json_array_size(pairs), 10);
 	assert_int_equal(json_array_size(differences), 10);
-	unsigned matched = 0;
+	unsigned matched = 0, differing = 0;
+	double last = INFINITY;
 	for (size_t i = 0; i < 10; i++) {
-		const json_t *pair = json_array_get(pairs, i), *difference = json_array_get(differences, i);
-		assert_int_equal(json_integer_value(json_array_get(pair, 0)), i);
+		const json_t *difference = json_array_get(differences, i);
+		const size_t class_index = (size_t)json_integer_value(json_object_get(difference, "class"));
+		const json_t *pair = json_array_get(pairs, class_index);
+		const double importance = json_number_value(json_object_get(difference, "importance"));
+		assert_int_equal(json_integer_value(json_array_get(pair, 0)), class_index);
 		matched |= 1u << json_integer_value(json_array_get(pair, 1));
-		assert_int_equal(json_integer_value(json_object_get(difference, "class")), i);
+		differing |= 1u << class_index;
 		assert_true(json_equal(json_object_get(difference, "other"), json_array_get(pair, 1)));
+		assert_true(importance <= last);
+		assert_int_equal(importance >= 1, json_is_string(json_object_get(difference, "text")));
+		last = importance;
 	}
 	assert_int_equal(matched, 0x3ff);
+	assert_int_equal(differing, 0x3ff);
+	assert_non_null(strstr(text_at(&a, "results.0.neighbours.0.summary.text"), " % larger, "));
 	answer whole = get(f->api, "/recognize?shape=%s&explain=true&level=1", thick);
 	const char *text = text_at(&whole, "results.0.neighbours.0.differences.0.text");
 	assert_non_null(text);
@@ -233,9 +242,73 @@ static void an_explanation_matches_classes_and_names_differences(void **state)
 	assert_non_null(strstr(text, " % wider"));
 	assert_true(number_at(&whole, "results.0.neighbours.0.match.level") == 1);
 	answer plain = get(f->api, "/recognize?shape=%s", thick);
-	assert_null(json_object_get(at(&plain, "results.0.neighbours.0"), "match"));
+	static const char *const members[] = {
+		"classes", "match", "summary", "differences", "isomorphism", "partition", "superposition"};
+	for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
+		assert_non_null(json_object_get(at(&a, "results.0.neighbours.0"), members[i]));
+		assert_null(json_object_get(at(&plain, "results.0.neighbours.0"), members[i]));
+	}
+	assert_null(json_object_get(at(&plain, "results.0"), "classes"));
 	answer_free(&a);
 	answer_free(&whole);
+	answer_free(&plain);
+}
+
+/* Where a matrix sends a centre, less another one. */
+static double off(const json_t *matrix, const json_t *centre, const json_t *other)
+{
+	double square = 0;
+	for (size_t r = 0; r < 3; r++) {
+		const json_t *row = json_array_get(matrix, r);
+		double d = json_number_value(json_array_get(row, 3)) - json_number_value(json_array_get(other, r));
+		for (size_t c = 0; c < 3; c++)
+			d += json_number_value(json_array_get(row, c)) * json_number_value(json_array_get(centre, c));
+		square += d * d;
+	}
+	return sqrt(square);
+}
+
+/* The mirror image of a shape has its classes, so the matrix sends each on its own. */
+static void an_explanation_lays_a_shape_on_its_mirror_image(void **state)
+{
+	api_fixture *f = *state;
+	char id[ESKEL_ID_SIZE];
+	enroll_blob(f->api, 3, 0, 0, "name=femur_left", id);
+	volume_file file = volume_of_family(3, 0, 1);
+	answer a = post_volume(f->api, &file, "/recognize?explain=true");
+	assert_status(&a, 200);
+	assert_true(json_is_true(at(&a, "results.0.neighbours.0.superposition.mirrored")));
+	assert_true(number_at(&a, "results.0.neighbours.0.superposition.rms_mm") < 1e-6);
+	assert_true(number_at(&a, "results.0.neighbours.0.isomorphism.depth") == 16);
+	assert_true(json_is_true(at(&a, "results.0.neighbours.0.isomorphism.complete")));
+	assert_true(number_at(&a, "results.0.neighbours.0.partition.distances_mm") < 1e-6);
+	assert_true(number_at(&a, "results.0.neighbours.0.partition.mirrored_tetrahedra_mm3") < 1e-4);
+	assert_true(number_at(&a, "results.0.neighbours.0.partition.same_tetrahedra_mm3") > 1);
+	assert_string_equal(text_at(&a, "results.0.neighbours.0.summary.text"), "of the same size");
+	const json_t *classes = at(&a, "results.0.classes"), *others = at(&a, "results.0.neighbours.0.classes");
+	assert_int_equal(json_array_size(classes), 10);
+	for (size_t i = 0; i < 10; i++) {
+		double distance = off(at(&a, "results.0.neighbours.0.superposition.matrix"),
+			json_object_get(json_array_get(classes, i), "centre_mm"),
+			json_object_get(json_array_get(others, i), "centre_mm"));
+		if (!(distance < 1e-6))
+			fail_msg("class %zu lies %g mm off", i, distance);
+	}
+	answer_free(&a);
+	volume_free(&file);
+}
+
+static void only_the_neighbours_that_are_answered_are_explained(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	answer one = get(f->api, "/recognize?shape=%s&limit=1&explain=true", ids[0][0]);
+	answer plain = get(f->api, "/recognize?shape=%s&limit=1", ids[0][0]);
+	assert_status(&one, 200);
+	assert_int_equal(json_array_size(at(&one, "results.0.neighbours")), 1);
+	assert_true(json_equal(at(&one, "results.0.verdict"), at(&plain, "results.0.verdict")));
+	answer_free(&one);
 	answer_free(&plain);
 }
 
@@ -267,6 +340,8 @@ int main(void)
 		api_test(a_filter_says_nothing_of_a_posted_label),
 		api_test(every_kind_of_distance_ranks_a_near_copy_first),
 		api_test(an_explanation_matches_classes_and_names_differences),
+		api_test(an_explanation_lays_a_shape_on_its_mirror_image),
+		api_test(only_the_neighbours_that_are_answered_are_explained),
 		api_test(a_deleted_shape_is_no_neighbour),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
