@@ -117,12 +117,12 @@ static bool add_partition(json_t *json, const esk_compared *query, const esk_com
 				       "mirrored_tetrahedra_mm3", esk_json_real(d.mirrored_tetrahedra))) == 0;
 }
 
-/* Mirrored when the neighbour is: what a viewer shows then agrees with what it says. */
+/* Of the hand that lies better, as the chirality tells: what a viewer shows then agrees with the verdict. */
 static bool add_superposition(
 	json_t *json, const esk_compared *query, const esk_compared *neighbour, const eskel_chirality *chirality)
 {
 	eskel_superposition proper, improper;
-	const bool mirrored = chirality->verdict == ESKEL_CHIRALITY_MIRRORED;
+	const bool mirrored = chirality->score < 0;
 	eskel_superposition_find(query->skeleton, neighbour->skeleton, &proper, &improper);
 	const eskel_superposition *found = mirrored ? &improper : &proper;
 	json_t *superposition = json_pack("{s:b, s:o, s:o}", "mirrored", (int)mirrored, "matrix",

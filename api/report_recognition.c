@@ -100,6 +100,19 @@ static void write_search(const json_t *search, FILE *out)
 		out);
 }
 
+/* The whole, how deep the trees agree, and how well one shape lies on the other. */
+static void write_whole(const json_t *nearest, FILE *out)
+{
+	const json_t *superposition = json_object_get(nearest, "superposition");
+	const json_t *isomorphism = json_object_get(nearest, "isomorphism");
+	fputs("as a whole: ", out);
+	esk_table_write_plain(out, esk_report_member(json_object_get(nearest, "summary"), "text"));
+	fprintf(out, "\nthe trees agree down to level %lld; laid on it%s, class centres lie %.1f mm off (rms)\n",
+		(long long)json_integer_value(json_object_get(isomorphism, "depth")),
+		json_is_true(json_object_get(superposition, "mirrored")) ? " mirrored" : "",
+		json_number_value(json_object_get(superposition, "rms_mm")));
+}
+
 /* In what the query differs from the nearest shape, where the answer explains it. */
 static void write_differences(const json_t *nearest, FILE *out)
 {
@@ -117,8 +130,10 @@ static void write_differences(const json_t *nearest, FILE *out)
 			continue;
 		fputs("  ", out);
 		esk_table_write_plain(out, text);
-		fputc('\n', out);
+		fputs(json_is_true(json_object_get(difference, "remarkable")) ? " (stands out)\n" : "\n", out);
 	}
+	if (json_object_get(nearest, "superposition"))
+		write_whole(nearest, out);
 }
 
 bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)

@@ -23,8 +23,9 @@ function ellipse(node, view) {
 		long: Math.sqrt(5 * Math.max(mean + spread, 0)),
 		short: Math.sqrt(5 * Math.max(mean - spread, 0)),
 		turn: -Math.atan2(2 * b, a - d) / 2 * 180 / Math.PI, // SVG's y points down
-		hue: node.class * 137.5 % 360, // neighbouring numbers get distant hues
-		label: `class ${node.class}: ${node.voxels} voxels`,
+		hue: node.hue ?? node.class * 137.5 % 360, // neighbouring numbers get distant hues
+		opacity: node.hue === undefined ? .35 : .2,
+		label: `${node.of ?? ""} class ${node.class}: ${node.voxels} voxels`.trim(),
 	};
 }
 
@@ -36,12 +37,12 @@ function draw(ellipses, view, extent) {
 	return drawn("svg", { viewBox: `${x} ${y} ${size} ${size}`, role: "img", "aria-label": `the skeleton, ${view.title}` },
 		ellipses.map((e) => drawn("ellipse", {
 			rx: e.long, ry: e.short, transform: `translate(${e.x} ${e.y}) rotate(${e.turn})`,
-			fill: `hsl(${e.hue} 60% 50% / .35)`, stroke: `hsl(${e.hue} 60% 45%)`, "stroke-width": size / 150,
+			fill: `hsl(${e.hue} 60% 50% / ${e.opacity})`, stroke: `hsl(${e.hue} 60% 45%)`, "stroke-width": size / 150,
 		}, drawn("title", {}, e.label))),
 		text(x + size * .04, view.edges[0]), text(x + size * .96, view.edges[1]));
 }
 
-// All three views at one scale.
+// All three views at one scale. A node may say its hue, and of what shape it is, where there are two.
 export function drawLevel(nodes) {
 	const drawings = views.map((view) => nodes.map((node) => ellipse(node, view)));
 	const width = (ellipses, at) =>

@@ -1,6 +1,7 @@
 // The answer of /recognize: for each label the verdict, what it rests on, and the nearest shapes.
 
 import { facts, make, number, table } from "./dom.js";
+import { superposition } from "./superposition.js";
 
 function percent(score) {
 	return typeof score === "number" ? `${Math.min(Math.round(score * 100), 99)} %` : "–";
@@ -47,13 +48,13 @@ function neighbours(list) {
 		["handedness"]], rows);
 }
 
-// Sentences about the classes that differ from those of the nearest shape.
+// Sentences about the classes that differ from those of the nearest shape; those that stand out are bold.
 function differences(nearest) {
-	const sentences = (nearest?.differences ?? []).map((d) => d.text).filter(Boolean);
-	if (!sentences.length)
+	const sentences = (nearest?.differences ?? []).filter((d) => d.text);
+	if (!nearest?.summary)
 		return null;
-	return make("details", {}, make("summary", {}, `What differs from ${nearest.name ?? "the nearest"}`),
-		make("ul", {}, sentences.map((text) => make("li", {}, text))));
+	return make("details", {}, make("summary", {}, `What differs from ${nearest.name ?? "the nearest"}: ${nearest.summary.text}`),
+		make("ul", {}, sentences.map((d) => make("li", {}, d.remarkable ? make("strong", {}, d.text) : d.text))));
 }
 
 function title({ query }) {
@@ -70,6 +71,7 @@ function card(result) {
 		agreement(result),
 		result.neighbours.length ? neighbours(result.neighbours) : make("p", {}, "There is nothing to compare it with."),
 		differences(result.neighbours[0]),
+		superposition(title(result), result),
 		facts([["label", String(query.label)], ["voxels", number(query.voxels, 0)], ["volume", `${number(query.volume_mm3, 0)} mm³`]]),
 		query.warnings.map((warning) => make("p", { class: "note" }, warning.text)),
 		make("p", { class: "note" }, searched(search)));
@@ -84,4 +86,6 @@ function summary(results) {
 
 export function showRecognition({ results }, into) {
 	into.replaceChildren(...(results.length > 1 ? [summary(results)] : []), ...results.map(card));
+	if (results.length === 1)
+		into.querySelector("details.over")?.setAttribute("open", "");
 }

@@ -34,7 +34,7 @@ class Files(unittest.TestCase):
         self.assertNotRegex(self.html, r"(?i)<script>|\son\w+=|\sstyle=|javascript:|https?://")
 
     def test_no_module_makes_markup_from_text(self):
-        for name in ("app", "client", "dom", "drawing", "library", "recognition", "shape"):
+        for name in ("app", "client", "dom", "drawing", "library", "recognition", "shape", "superposition"):
             script = self.daemon.get(f"/page/{name}.js")[2].decode()
             self.assertNotRegex(script, r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(|localStorage"
                                         r"|sessionStorage|cookie", name)
@@ -109,6 +109,31 @@ class Seen(unittest.TestCase):
         self.assertEqual(browser.text("#shape-title"), hostile)
         self.assertEqual(browser.run("return document.title"), "eskel")
         self.assertEqual(browser.run("return document.querySelectorAll('img').length"), 0)
+
+    def test_a_neighbour_is_laid_over_the_shape(self):
+        for seed in range(3):
+            self.enroll(seed, name=f"bone {seed}")
+        browser = self.open()
+        with tempfile.NamedTemporaryFile(suffix=".nii") as file:
+            file.write(blob(1))
+            file.flush()
+            browser.type("#file", file.name)
+            browser.click("#recognize .main")
+            browser.wait("document.querySelectorAll('#answer .drawings svg').length === 3")
+        places = """return [...document.querySelectorAll('#answer .drawings svg:first-child ellipse')].map(e =>
+            [...e.getAttribute('transform').matchAll(/translate\\((\\S+) (\\S+)\\)/g)][0].slice(1).map(Number))"""
+        ellipses = browser.run(places)
+        self.assertEqual(len(ellipses), 3 * 20, "ten classes of either in each view")
+        for first in range(0, 60, 20):  # the nearest is the shape itself
+            view = sorted(ellipses[first:first + 10]), sorted(ellipses[first + 10:first + 20])
+            for laid, own in zip(*view):
+                self.assertAlmostEqual(laid[0], own[0], 4)
+                self.assertAlmostEqual(laid[1], own[1], 4)
+        browser.run("const s = document.querySelector('#answer .over select'); s.value = 'bone 2';"
+                    "s.dispatchEvent(new Event('change'))")
+        self.assertIn("bone 2", browser.text("#answer .keys"))
+        self.assertNotEqual(browser.run(places), ellipses)
+        self.assertEqual(browser.messages(), [])
 
     def test_the_token_opens_the_library_and_stays_in_memory(self):
         self.enroll(1, name="bone")

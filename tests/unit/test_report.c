@@ -130,7 +130,9 @@ static void one_shape_is_shown_member_by_member(void **state)
 
 #define NEIGHBOUR \
 	"{\"id\":\"77\",\"name\":\"femur_right\",\"class\":\"femur\",\"side\":\"right\",\"subject\":\"VHM\"," \
-	"\"differences\":[{\"class\":0,\"text\":null},{\"class\":1,\"text\":\"class 1: 12 % longer\"}]," \
+	"\"differences\":[{\"class\":1,\"remarkable\":true,\"text\":\"class 1: 12 % longer\"}," \
+	"{\"class\":0,\"text\":null}],\"summary\":{\"text\":\"5 % larger; class 1 stands out\"}," \
+	"\"isomorphism\":{\"depth\":4},\"superposition\":{\"mirrored\":true,\"rms_mm\":1.26}," \
 	"\"distance\":0.12345,\"chirality\":{\"verdict\":\"mirrored\",\"score\":-0.456}}"
 
 static const char wrong_label[] =
@@ -169,7 +171,10 @@ static void a_single_recognition_lists_its_neighbours_and_explains_itself(void *
 	char *text = eskel_report_text(report, false);
 	assert_non_null(strstr(text, "\n1  femur_right  femur  right  VHM        0.1235  mirrored   -0.46  77\n"));
 	assert_non_null(strstr(text, "\nsearched 78 shapes, mode exact: proven, no other shape is nearer\n"));
-	assert_non_null(strstr(text, "\nbeside femur_right, matched class by class:\n  class 1: 12 % longer\n"));
+	assert_non_null(strstr(text,
+		"\nbeside femur_right, matched class by class:\n  class 1: 12 % longer (stands out)\n"
+		"as a whole: 5 % larger; class 1 stands out\n"
+		"the trees agree down to level 4; laid on it mirrored, class centres lie 1.3 mm off (rms)\n"));
 	free(text);
 	eskel_report_free(report);
 }
