@@ -117,6 +117,7 @@ static void write_whole(const json_t *nearest, FILE *out)
 static void write_differences(const json_t *nearest, FILE *out)
 {
 	size_t i;
+	bool any = false;
 	json_t *difference;
 	const json_t *differences = json_object_get(nearest, "differences");
 	if (!differences)
@@ -128,10 +129,13 @@ static void write_differences(const json_t *nearest, FILE *out)
 		const char *text = json_string_value(json_object_get(difference, "text"));
 		if (!text)
 			continue;
+		any = true;
 		fputs("  ", out);
 		esk_table_write_plain(out, text);
 		fputs(json_is_true(json_object_get(difference, "remarkable")) ? " (stands out)\n" : "\n", out);
 	}
+	if (!any)
+		fputs("  no class differs much\n", out);
 	if (json_object_get(nearest, "superposition"))
 		write_whole(nearest, out);
 }

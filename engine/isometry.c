@@ -3,7 +3,10 @@
  * Both shapes are placed in a natural frame, p = A (x - G) / s, with A the axes of the whole as rows, G its centre and
  * s the cube root of its volume, and a pose Q turns b on a (superposition.c): p_a is near Q p_b. Without the sizes that is
  *     x_b = G_b + R (x_a - G_a), R = A_b^T Q^T A_a,
- * whose determinant is that of Q, as natural frames are right-handed. The determinant of section 5.5 plays no part. */
+ * whose determinant is that of Q, as natural frames are right-handed. The determinant of section 5.5 plays no part.
+ *
+ * No voxel is looked at. Of 19 pairs of bones of one class, turned and shifted by this, the overlap of voxels (Dice) is .86
+ * to .96, and at most .02 less than after a local search for the best; what that search still turns is 0.2 to 5.6 degrees. */
 #include "superposition.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  *
  * The engine, in the order of its pipeline: a volume is decoded into clouds of voxels, a cloud becomes a
  * skeleton, a skeleton has a signature, signatures are matched and searched, skeletons are compared for
- * handedness. Pure computation: nothing here opens a file, a socket or a database, prints, or keeps state
+ * handedness and laid on one another. Pure computation: nothing here opens a file, a socket or a database, prints, or keeps state
  * outside the objects that it returns.
  *
  * Conventions, everywhere:

@@ -83,7 +83,9 @@ class Commands(Served):
 
     def test_explain_says_what_differs(self):
         run = self.eskel("recognize", self.ids["hook_left"], "--explain")
-        self.assertIn("\nbeside hook_right, matched class by class:\n", run.stdout)
+        self.assertIn("\nbeside hook_right, matched class by class:\n  no class differs much\n", run.stdout)
+        self.assertRegex(run.stdout, r"\nas a whole: of the same size\nthe trees agree down to level \d+; "
+                                     r"laid on it mirrored, class centres lie 0\.\d mm off \(rms\)\n")
 
     def test_nothing_to_recognize_it_by_is_exit_code_1(self):
         for options in ([], ["--json"]):

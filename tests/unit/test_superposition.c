@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { blob_count = 16, shape_count = 30 };
+enum { blob_count = 16, shape_count = 12 };
 
 static void assert_near(double found, double expected, double tolerance)
 {
