@@ -67,8 +67,8 @@ static bool gather(eskel_api *api, const esk_unknown *unknown, size_t explained,
 	for (size_t i = 0; i < found->count; i++) {
 		esk_neighbour *neighbour = &recognition->neighbours[recognition->count];
 		eskel_store_error error = {0};
-		eskel_store_status status = take(
-			api, &found->neighbours[i], recognition->count < explained, neighbour, &error);
+		eskel_store_status status =
+			take(api, &found->neighbours[i], recognition->count < explained, neighbour, &error);
 		if (status == ESKEL_STORE_NOT_FOUND)
 			continue;
 		if (!esk_problem_store(problem, status, &error))

@@ -86,7 +86,8 @@ static bool hold(eskel_api *api, const eskel_distance_options *distance, const e
 	bool good = trial->class || esk_problem_no_memory(problem);
 	good = good && choose(api, said, &fellows, &others, problem) &&
 	       find_fellow(api, known->signature, distance, &fellows, trial, problem) &&
-	       esk_recognition_find(api, &unknown, &others, 0, &options, &met, problem) && note_told(&met, trial, problem);
+	       esk_recognition_find(api, &unknown, &others, 0, &options, &met, problem) &&
+	       note_told(&met, trial, problem);
 	esk_recognition_clear(api, &met);
 	esk_choice_clear(&fellows);
 	esk_choice_clear(&others);
