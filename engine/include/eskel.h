@@ -129,6 +129,21 @@ ESKEL_API eskel_status eskel_cloud_encode(const eskel_cloud *cloud, uint8_t **by
 /* ESKEL_MALFORMED, ESKEL_TRUNCATED or ESKEL_TOO_LARGE for bytes that no encode made. */
 ESKEL_API eskel_status eskel_cloud_decode(const uint8_t *bytes, size_t size, eskel_cloud **cloud, eskel_error *error);
 
+/* ---------------------------------------------------------------------------------------------- components */
+
+/* Connected pieces, without regard to weights. */
+typedef struct {
+	size_t count;
+	uint64_t voxels;         /* of all together */
+	uint64_t *sizes;         /* [count]; voxels of each, descending */
+} eskel_components;
+
+/* The pieces that a cloud is in, joined over faces, edges and corners of voxels; at least one. Near-linear in the runs. */
+ESKEL_API eskel_status eskel_cloud_components(const eskel_cloud *cloud, eskel_components **components);
+/* The pieces of the background, joined over faces, that the cloud encloses. */
+ESKEL_API eskel_status eskel_cloud_cavities(const eskel_cloud *cloud, eskel_components **cavities);
+ESKEL_API void eskel_components_free(eskel_components *components);
+
 /* ---------------------------------------------------------------------------------------------- volume */
 
 /* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and

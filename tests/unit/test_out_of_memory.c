@@ -74,6 +74,21 @@ static eskel_status run_skeletons(const eskel_cloud *cloud, eskel_error *error)
 	return status;
 }
 
+static eskel_status run_components(const eskel_cloud *cloud, eskel_error *error)
+{
+	eskel_components *components = NULL, *cavities = NULL;
+	eskel_status status = eskel_cloud_components(cloud, &components);
+	assert_int_equal(status != ESKEL_OK, components == NULL);
+	if (status == ESKEL_OK) {
+		status = eskel_cloud_cavities(cloud, &cavities);
+		assert_int_equal(status != ESKEL_OK, cavities == NULL);
+	}
+	eskel_components_free(components);
+	eskel_components_free(cavities);
+	error->status = ESKEL_NO_MEMORY; /* these have no error of their own */
+	return status;
+}
+
 /* From the bytes of a file to a cloud, its encoding, and the cloud decoded from that; and to a skeleton. */
 static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error *error)
 {
@@ -98,6 +113,8 @@ static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error 
 		status = run_skeleton(again, error);
 	if (status == ESKEL_OK)
 		status = run_skeletons(again, error);
+	if (status == ESKEL_OK)
+		status = run_components(again, error);
 	free(encoded);
 	eskel_cloud_free(again);
 	eskel_cloud_free(cloud);
