@@ -170,6 +170,35 @@ static void a_list_that_runs_out_of_memory_anywhere_can_be_repeated(void **state
 	}
 }
 
+static void the_classes_are_whole_or_refused_wherever_memory_ran_out(void **state)
+{
+	store_fixture *f = *state;
+	for (uint32_t i = 0; i < 3; i++) {
+		static char names[3][2] = {"a", "b", "c"};
+		sample s = sample_new(i);
+		eskel_shape shape;
+		bool created;
+		s.description.class = names[i];
+		eskel_enrollment enrollment = sample_enrollment(&s, 1);
+		assert_ok(eskel_store_enroll(f->store, NULL, &enrollment, 1, &shape, &created, &f->error), f);
+		eskel_shape_clear(&shape);
+		sample_free(&s);
+	}
+	bool reached = true;
+	for (int n = 1; reached; n++) {
+		char **classes = NULL;
+		size_t count = 0;
+		allocations_left = n;
+		eskel_store_status status = eskel_store_classes(f->store, &classes, &count, &f->error);
+		reached = disarm();
+		if (status == ESKEL_STORE_OK)
+			assert_int_equal(count, 3);
+		else
+			assert_int_equal(status, ESKEL_STORE_NO_MEMORY);
+		eskel_store_classes_free(classes, count);
+	}
+}
+
 static size_t found_count(store_fixture *f, const eskel_filter *filter)
 {
 	eskel_key_block *keys = NULL;
@@ -326,6 +355,7 @@ int main(void)
 		store_test(an_enrollment_that_runs_out_of_memory_anywhere_leaves_nothing),
 		store_test(an_open_that_runs_out_of_memory_anywhere_can_be_repeated),
 		store_test(a_list_that_runs_out_of_memory_anywhere_can_be_repeated),
+		store_test(the_classes_are_whole_or_refused_wherever_memory_ran_out),
 		store_test(filters_find_all_wherever_memory_ran_out),
 		store_test(a_disk_that_fills_at_any_write_leaves_the_shape_out_and_the_store_usable),
 		store_test(after_a_failed_sync_the_store_only_reads_until_it_is_opened_again),

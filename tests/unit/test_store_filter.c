@@ -406,6 +406,28 @@ static void a_filter_of_too_many_attributes_is_refused(void **state)
 	assert_int_equal(eskel_store_keys(l->store->store, &f, &keys, &count, &l->store->error), ESKEL_STORE_INVALID);
 }
 
+static void the_classes_are_those_of_a_plain_walk(void **state)
+{
+	library *l = *state;
+	char **found_classes = NULL;
+	size_t count = 0;
+	assert_ok(eskel_store_classes(l->store->store, &found_classes, &count, &l->store->error), l->store);
+	for (size_t i = 0; i + 1 < count; i++)
+		assert_true(strcmp(found_classes[i], found_classes[i + 1]) < 0);
+	size_t matched = 0;
+	for (int i = 0; i < library_size; i++) {
+		const char *class = l->descriptions[i].class;
+		bool found = false;
+		for (size_t c = 0; class && c < count; c++)
+			found = found || strcmp(found_classes[c], class) == 0;
+		assert_true(found == (class != NULL));
+		matched += found;
+	}
+	assert_true(matched > 0);
+	assert_int_equal(count, 3); /* Talus, femur, tibia */
+	eskel_store_classes_free(found_classes, count);
+}
+
 int main(void)
 {
 #define library_test(name) \
@@ -423,6 +445,7 @@ int main(void)
 		library_test(pages_of_any_size_join_to_the_whole_answer),
 		library_test(a_shape_deleted_between_two_pages_shifts_nothing),
 		library_test(a_filter_of_too_many_attributes_is_refused),
+		library_test(the_classes_are_those_of_a_plain_walk),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
