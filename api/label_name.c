@@ -1,10 +1,12 @@
 /* What a label's name says, see label_name.h. One table of side words; a name is taken word by word. */
 #include "label_name.h"
 
+#include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-static const char separators[] = " _-.,/()[]";
+static const char separators[] = " _-.,/()[]\"";
 
 static const struct {
 	const char *word;
@@ -15,9 +17,24 @@ static const struct {
 	{"right", ESKEL_SIDE_RIGHT, true},
 	{"l", ESKEL_SIDE_LEFT, false},
 	{"r", ESKEL_SIDE_RIGHT, false},
+	{"lt", ESKEL_SIDE_LEFT, false},
+	{"rt", ESKEL_SIDE_RIGHT, false},
 	{"lh", ESKEL_SIDE_LEFT, true},
 	{"rh", ESKEL_SIDE_RIGHT, true},
+	{"sinister", ESKEL_SIDE_LEFT, true},
+	{"sinistra", ESKEL_SIDE_LEFT, true},
+	{"sinistrum", ESKEL_SIDE_LEFT, true},
+	{"sin", ESKEL_SIDE_LEFT, false},
+	{"dexter", ESKEL_SIDE_RIGHT, true},
+	{"dextra", ESKEL_SIDE_RIGHT, true},
+	{"dextrum", ESKEL_SIDE_RIGHT, true},
+	{"dex", ESKEL_SIDE_RIGHT, false},
+	{"links", ESKEL_SIDE_LEFT, true},
+	{"rechts", ESKEL_SIDE_RIGHT, true},
 };
+
+/* The left atrium is no mirror image of the right one: beside these words, left and right tell classes apart. */
+static const char *const unpaired_words[] = {"heart", "cardiac"};
 
 static eskel_side side_of(const char *word, size_t size, bool at_an_end)
 {
@@ -48,27 +65,121 @@ void esk_label_class(const char *name, char *class)
 	}
 }
 
+/* The next word of a name, and what stands behind it. In LeftFemur and femurRight the case alone ends a side word. */
+static size_t word_size(const char *word)
+{
+	static const char *const sides[] = {"left", "right"};
+	size_t size = strcspn(word, separators);
+	for (size_t i = 0; i < 2; i++) {
+		size_t side = strlen(sides[i]);
+		if (size <= side)
+			continue;
+		if (strncasecmp(word, sides[i], side) == 0 && islower((unsigned char)word[side - 1]) &&
+			isupper((unsigned char)word[side]))
+			return side;
+		const char *end = word + size - side;
+		if (strncasecmp(end, sides[i], side) == 0 && isupper((unsigned char)end[0]) &&
+			islower((unsigned char)end[1]) && islower((unsigned char)end[-1]))
+			return size - side;
+	}
+	return size;
+}
+
+static bool is_unpaired(const char *word, size_t size)
+{
+	for (size_t i = 0; i < sizeof unpaired_words / sizeof *unpaired_words; i++)
+		if (strlen(unpaired_words[i]) == size && strncasecmp(unpaired_words[i], word, size) == 0)
+			return true;
+	return false;
+}
+
 void esk_label_split(const char *name, char *class, eskel_side *side)
 {
 	eskel_side found = ESKEL_SIDE_UNKNOWN;
-	bool both = false;
+	bool whole = false;
 	char *end = class;
 	*end = 0;
 	const char *first = name + strspn(name, separators);
 	for (const char *word = first; *word;) {
-		size_t size = strcspn(word, separators);
+		size_t size = word_size(word);
 		const char *next = word + size + strspn(word + size, separators);
 		eskel_side said = side_of(word, size, word == first || !*next);
 		if (said == ESKEL_SIDE_UNKNOWN)
 			end = append_word(class, end, word, size);
-		both = both || (said != ESKEL_SIDE_UNKNOWN && found != ESKEL_SIDE_UNKNOWN && said != found);
+		whole = whole || is_unpaired(word, size) ||
+			(said != ESKEL_SIDE_UNKNOWN && found != ESKEL_SIDE_UNKNOWN && said != found);
 		if (said != ESKEL_SIDE_UNKNOWN)
 			found = said;
 		word = next;
 	}
-	if (both || end == class) {
+	if (whole || end == class) {
 		esk_label_class(name, class);
 		found = ESKEL_SIDE_UNKNOWN;
 	}
 	*side = found;
+}
+
+/* ---- the same class in other words */
+
+/* Words that one vocabulary has and another has not: "hamate bone", "metatarsal 1st". */
+static bool is_filler(const char *word, size_t size, bool after_number)
+{
+	static const char *const fillers[] = {"bone", "bones", "os"}, *const ordinals[] = {"st", "nd", "rd", "th"};
+	for (size_t i = 0; i < sizeof fillers / sizeof *fillers; i++)
+		if (strlen(fillers[i]) == size && strncmp(fillers[i], word, size) == 0)
+			return true;
+	for (size_t i = 0; after_number && i < sizeof ordinals / sizeof *ordinals; i++)
+		if (size == 2 && strncmp(ordinals[i], word, size) == 0)
+			return true;
+	return false;
+}
+
+static int compare_words(const void *a, const void *b)
+{
+	return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+enum { MOST_CLASS = 256, MOST_WORDS = 32 };
+
+/* The words of a class in alphabetical order, without fillers, each of letters or of digits alone, in the singular where that
+ * is irregular; words after the MOST_WORDS-th do not count. text, which holds them, has room for 2 * MOST_CLASS. */
+static size_t words_of(const char *class, char *text, const char *words[MOST_WORDS])
+{
+	size_t count = 0;
+	bool number = false;
+	while (*class && count < MOST_WORDS) {
+		const char *word = class;
+		bool digits = isdigit((unsigned char)*class);
+		while (*class && *class != '_' && !isdigit((unsigned char)*class) == !digits)
+			class ++;
+		size_t size = (size_t)(class - word);
+		if (size > 0 && !is_filler(word, size, number)) {
+			words[count++] = memcpy(text, word, size);
+			text[size] = 0;
+			if (strcmp(text, "vertebrae") == 0)
+				words[count - 1] = "vertebra";
+			text += size + 1;
+		}
+		number = digits && *class != '_';
+		class += *class == '_';
+	}
+	qsort(words, count, sizeof *words, compare_words);
+	return count;
+}
+
+bool esk_label_same_class(const char *a, const char *b)
+{
+	if (strcmp(a, b) == 0)
+		return true;
+	if (strlen(a) >= MOST_CLASS || strlen(b) >= MOST_CLASS)
+		return false;
+	char texts[2][2 * MOST_CLASS];
+	const char *words[2][MOST_WORDS];
+	size_t count = words_of(a, texts[0], words[0]);
+	if (count == 0 || words_of(b, texts[1], words[1]) != count)
+		return false;
+	for (size_t i = 0; i < count; i++)
+		if (strcmp(words[0][i], words[1][i]) != 0)
+			return false;
+	return true;
 }
