@@ -139,10 +139,10 @@ static int compare_words(const void *a, const void *b)
 	return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-enum { MOST_CLASS = 256, MOST_WORDS = 32 };
+enum { MOST_WORDS = 32 };
 
-/* The words of a class in alphabetical order, without fillers, each of letters or of digits alone, in the singular where that
- * is irregular; words after the MOST_WORDS-th do not count. text, which holds them, has room for 2 * MOST_CLASS. */
+/* The words of a class without fillers, each of letters or of digits alone, in the singular where that is irregular; those
+ * after the MOST_WORDS-th do not count. text, which holds them, has room for 2 strlen(class) + 1. */
 static size_t words_of(const char *class, char *text, const char *words[MOST_WORDS])
 {
 	size_t count = 0;
@@ -163,23 +163,30 @@ static size_t words_of(const char *class, char *text, const char *words[MOST_WOR
 		number = digits && *class != '_';
 		class += *class == '_';
 	}
-	qsort(words, count, sizeof *words, compare_words);
 	return count;
+}
+
+bool esk_label_key(const char *class, char key[ESK_LABEL_KEY_SIZE])
+{
+	char text[ESK_LABEL_KEY_SIZE];
+	const char *words[MOST_WORDS];
+	if (2 * strlen(class) + 1 > sizeof text)
+		return false;
+	size_t count = words_of(class, text, words);
+	qsort(words, count, sizeof *words, compare_words);
+	for (size_t i = 0; i < count; i++) {
+		size_t size = strlen(words[i]);
+		memcpy(key, words[i], size);
+		key += size;
+		*key++ = i + 1 < count ? '_' : 0;
+	}
+	return count > 0;
 }
 
 bool esk_label_same_class(const char *a, const char *b)
 {
+	char keys[2][ESK_LABEL_KEY_SIZE];
 	if (strcmp(a, b) == 0)
 		return true;
-	if (strlen(a) >= MOST_CLASS || strlen(b) >= MOST_CLASS)
-		return false;
-	char texts[2][2 * MOST_CLASS];
-	const char *words[2][MOST_WORDS];
-	size_t count = words_of(a, texts[0], words[0]);
-	if (count == 0 || words_of(b, texts[1], words[1]) != count)
-		return false;
-	for (size_t i = 0; i < count; i++)
-		if (strcmp(words[0][i], words[1][i]) != 0)
-			return false;
-	return true;
+	return esk_label_key(a, keys[0]) && esk_label_key(b, keys[1]) && strcmp(keys[0], keys[1]) == 0;
 }

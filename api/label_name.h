@@ -22,4 +22,9 @@ void esk_label_split(const char *name, char *class, eskel_side *side);
  * hamate. */
 bool esk_label_same_class(const char *a, const char *b);
 
+/* What such classes have in common: their words in alphabetical order. False for a class of fillers alone, or of more than
+ * 200 bytes. */
+#define ESK_LABEL_KEY_SIZE 402
+bool esk_label_key(const char *class, char key[ESK_LABEL_KEY_SIZE]);
+
 #endif

@@ -4,7 +4,6 @@
 #include "resources.h"
 #include "specimen.h"
 
-#include <math.h>
 #include <string.h>
 
 bool esk_recognize_check(eskel_exchange *exchange)
@@ -75,19 +74,6 @@ bool esk_recognize_shape(eskel_exchange *exchange)
 	return good;
 }
 
-/* class, side and so on choose the shapes to compare with; of the labels the query says only what name and label.N say. */
-static esk_parameters said_of_labels(const esk_parameters *query)
-{
-	return (esk_parameters){
-		.name = query->name,
-		.age = NAN,
-		.label_count = query->label_count,
-		.labels = query->labels,
-		.words_count = query->words_count,
-		.words = query->words,
-	};
-}
-
 static bool recognize_specimen(
 	eskel_exchange *exchange, const esk_specimen *specimen, const esk_choice *choice, json_t *results)
 {
@@ -120,8 +106,7 @@ bool esk_recognize_volume(eskel_exchange *exchange)
 	esk_specimens specimens = {0};
 	esk_choice choice = {0};
 	json_t *results = json_array();
-	const esk_parameters said = said_of_labels(&exchange->query);
-	bool good = esk_specimens_take(exchange, &said, &specimens) &&
+	bool good = esk_specimens_take_unknown(exchange, &specimens) &&
 		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
 		    recognize_specimens(exchange, &specimens, &choice, results);
 	if (good)

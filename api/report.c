@@ -22,6 +22,7 @@ static const layout layouts[] = {
 	[ESKEL_REPORT_SKELETON] = {"levels", JSON_ARRAY, esk_report_skeleton},
 	[ESKEL_REPORT_RECOGNITION] = {"results", JSON_ARRAY, esk_report_recognition},
 	[ESKEL_REPORT_EVALUATION] = {"measures", JSON_OBJECT, esk_report_evaluation},
+	[ESKEL_REPORT_CHECK] = {"labels", JSON_ARRAY, esk_report_check},
 	[ESKEL_REPORT_DISTANCES] = {"distances", JSON_ARRAY, esk_report_distances},
 };
 
@@ -143,6 +144,19 @@ size_t eskel_report_unrecognized(const eskel_report *report)
 			count += json_array_size(json_object_get(result, "neighbours")) == 0;
 	}
 	return count;
+}
+
+size_t eskel_report_findings(const eskel_report *report)
+{
+	json_int_t count = 0;
+	size_t i;
+	json_t *entry;
+	json_array_foreach (report->answers, i, entry) {
+		const json_t *findings = json_object_get(json_object_get(entry, "answer"), "findings");
+		count += json_integer_value(json_object_get(findings, "error")) +
+			 json_integer_value(json_object_get(findings, "warning"));
+	}
+	return (size_t)count;
 }
 
 char *eskel_report_problem(const char *json, size_t size)

@@ -14,6 +14,7 @@ bool esk_report_shapes(const json_t *answers, FILE *out, bool colour);
 bool esk_report_shape(const json_t *answers, FILE *out, bool colour);
 bool esk_report_skeleton(const json_t *answers, FILE *out, bool colour);
 bool esk_report_recognition(const json_t *answers, FILE *out, bool colour);
+bool esk_report_check(const json_t *answers, FILE *out, bool colour);
 bool esk_report_distances(const json_t *answers, FILE *out, bool colour);
 bool esk_report_evaluation(const json_t *answers, FILE *out, bool colour);
 

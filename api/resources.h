@@ -18,6 +18,8 @@ bool esk_recognize_shape(eskel_exchange *exchange);
 bool esk_recognize_volume(eskel_exchange *exchange);
 bool esk_calibrate_check(eskel_exchange *exchange); /* calibrate.c */
 bool esk_calibrate_get(eskel_exchange *exchange);
+bool esk_check_check(eskel_exchange *exchange); /* check.c */
+bool esk_check_volume(eskel_exchange *exchange);
 bool esk_distances_check(eskel_exchange *exchange); /* distances.c */
 bool esk_distances_get(eskel_exchange *exchange);
 bool esk_evaluation_get(eskel_exchange *exchange); /* evaluate.c */

@@ -20,6 +20,7 @@ static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
 static const char *const evaluation[] = {FILTER, DISTANCE, "leave_out", NULL};
+static const char *const check[] = {LABELS, "name", "mode", DISTANCE, "not.subject", FILTER, NULL};
 static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
 
 #define READ ESKEL_ROLE_READ
@@ -27,6 +28,7 @@ static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
 
 static const esk_route routes[] = {
 	{"/calibration", "GET", READ, ESK_BODY_NONE, true, calibration, esk_calibrate_check, esk_calibrate_get},
+	{"/check", "POST", READ, ESK_BODY_VOLUME, true, check, esk_check_check, esk_check_volume},
 	{"/distances", "GET", READ, ESK_BODY_NONE, true, distances, esk_distances_check, esk_distances_get},
 	{"/evaluation", "GET", READ, ESK_BODY_NONE, true, evaluation, esk_distances_check, esk_evaluation_get},
 	{"/healthz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_live},

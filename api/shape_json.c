@@ -18,11 +18,11 @@ static json_t *attributes_json(const eskel_description *description)
 	return object;
 }
 
-static json_t *warnings_json(const eskel_shape *shape)
+json_t *esk_warnings_json(const eskel_warning *warnings, size_t count)
 {
 	json_t *array = json_array();
-	for (size_t i = 0; i < shape->warning_count; i++) {
-		const eskel_warning *warning = &shape->warnings[i];
+	for (size_t i = 0; i < count; i++) {
+		const eskel_warning *warning = &warnings[i];
 		json_t *object =
 			json_pack("{s:s, s:s}", "code", eskel_warning_name(warning->code), "text", warning->text);
 		if (json_array_append_new(array, object) != 0) {
@@ -46,7 +46,7 @@ json_t *esk_shape_json(const eskel_shape *shape)
 		esk_value_sex_text(said->sex), "attributes", attributes_json(said), "label", (int)shape->label,
 		"voxels", (json_int_t)shape->voxels, "volume_mm3", esk_json_real(shape->volume), "centre_mm",
 		esk_json_reals(shape->centre, 3), "levels", (int)shape->levels, "sha256", shape->sha256, "created",
-		stored ? shape->created : NULL, "warnings", warnings_json(shape));
+		stored ? shape->created : NULL, "warnings", esk_warnings_json(shape->warnings, shape->warning_count));
 }
 
 json_t *esk_shapes_json(const eskel_shape *shapes, size_t count)

@@ -9,4 +9,6 @@
 json_t *esk_shape_json(const eskel_shape *shape);
 json_t *esk_shapes_json(const eskel_shape *shapes, size_t count);
 
+json_t *esk_warnings_json(const eskel_warning *warnings, size_t count);
+
 #endif

@@ -120,6 +120,20 @@ bool esk_specimens_take(eskel_exchange *exchange, const esk_parameters *said, es
 	return true;
 }
 
+bool esk_specimens_take_unknown(eskel_exchange *exchange, esk_specimens *specimens)
+{
+	const esk_parameters *query = &exchange->query;
+	const esk_parameters said = {
+		.name = query->name,
+		.age = NAN,
+		.label_count = query->label_count,
+		.labels = query->labels,
+		.words_count = query->words_count,
+		.words = query->words,
+	};
+	return esk_specimens_take(exchange, &said, specimens);
+}
+
 void esk_specimens_clear(esk_specimens *specimens)
 {
 	for (size_t i = 0; i < specimens->count; i++) {

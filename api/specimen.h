@@ -23,6 +23,9 @@ typedef struct {
 /* Finishes the exchange's volume and takes the labels that are asked for (all without a label parameter), ascending, with
  * their ids and with what is said of them; the volume is freed. said is the exchange's query or a part of it. */
 bool esk_specimens_take(eskel_exchange *exchange, const esk_parameters *said, esk_specimens *specimens);
+/* Where class, side and so on choose the shapes to compare with, the query says of its labels only what name and label.N
+ * say. */
+bool esk_specimens_take_unknown(eskel_exchange *exchange, esk_specimens *specimens);
 void esk_specimens_clear(esk_specimens *specimens);
 
 /* Computes the skeletons of the levels asked for, the signatures and the warnings of those without one that are wanted

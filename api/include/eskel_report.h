@@ -14,6 +14,7 @@ typedef enum {
 	ESKEL_REPORT_SHAPE,             /* GET /shapes/{id} */
 	ESKEL_REPORT_SKELETON,          /* GET /shapes/{id}/skeleton, eskel_skeleton_text */
 	ESKEL_REPORT_RECOGNITION,       /* GET and POST /recognize */
+	ESKEL_REPORT_CHECK,             /* POST /check */
 	ESKEL_REPORT_DISTANCES,         /* GET /distances */
 	ESKEL_REPORT_EVALUATION         /* GET /evaluation */
 } eskel_report_kind;
@@ -38,6 +39,9 @@ ESKEL_API char *eskel_report_html(const eskel_report *report);
 
 /* Recognitions so far to which nothing in the library was a neighbour. */
 ESKEL_API size_t eskel_report_unrecognized(const eskel_report *report);
+
+/* Findings of checks so far that are errors or warnings. */
+ESKEL_API size_t eskel_report_findings(const eskel_report *report);
 
 /* The detail, or else the title, of a problem+json body (RFC 9457), as one line. free() it; NULL when the bytes are no
  * such body or memory ran out. */

@@ -5,18 +5,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENROLL = 1, RECOGNIZE = 2, DISTANCES = 4, SHOW = 8, SKELETON = 16, EVALUATE = 32 };
+enum { ENROLL = 1, RECOGNIZE = 2, DISTANCES = 4, SHOW = 8, SKELETON = 16, EVALUATE = 32, CHECK = 64 };
 enum {
-	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE,
+	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK,
 	SERVED = ALL & ~SKELETON,
 	FILTERED = SERVED & ~ENROLL,
-	COMPARED = RECOGNIZE | DISTANCES | EVALUATE
+	COMPARED = RECOGNIZE | CHECK | DISTANCES | EVALUATE
 };
 
 static const esk_command commands[] = {
 	{"enroll", "FILE...", "store the labelled objects of volumes", 1, SIZE_MAX, ENROLL, esk_command_enroll},
 	{"recognize", "FILE|ID...", "say what objects are, and on which side", 1, SIZE_MAX, RECOGNIZE,
 		esk_command_recognize},
+	{"check", "FILE...", "look for wrong labels and bad segmentations in label maps", 1, SIZE_MAX, CHECK,
+		esk_command_check},
 	{"distances", "[ID...]", "the distance of every pair of shapes", 0, SIZE_MAX, DISTANCES, esk_command_distances},
 	{"evaluate", "", "how well distances find classes and sides among stored shapes", 0, 0, EVALUATE,
 		esk_command_evaluate},
@@ -35,10 +37,10 @@ struct esk_option {
 };
 
 static const esk_option options[] = {
-	{"labels", "TABLE", ENROLL | RECOGNIZE, NULL,
+	{"labels", "TABLE", ENROLL | RECOGNIZE | CHECK, NULL,
 		"names for the labels: CSV with the columns label, name, class, side"},
-	{"label", "N", ENROLL | RECOGNIZE | SKELETON, "label", "this label of the volume only; may be repeated"},
-	{"name", "NAME", ENROLL | RECOGNIZE, "name", "what it is called"},
+	{"label", "N", ENROLL | RECOGNIZE | SKELETON | CHECK, "label", "this label of the volume only; may be repeated"},
+	{"name", "NAME", ENROLL | RECOGNIZE | CHECK, "name", "what it is called"},
 	{"class", "CLASS", ENROLL, "class", "what kind of thing it is, such as femur"},
 	{"side", "SIDE", ENROLL, "side", "left, right or none"},
 	{"subject", "SUBJECT", ENROLL, "subject", "whose it is"},
@@ -48,7 +50,7 @@ static const esk_option options[] = {
 	{"levels", "K", ENROLL | SKELETON, "levels", "depth of the skeleton, 1 to 64 (16)"},
 
 	{"limit", "N", RECOGNIZE, "limit", "neighbours (5)"},
-	{"mode", "MODE", RECOGNIZE, "mode", "exact (default) or pruned"},
+	{"mode", "MODE", RECOGNIZE | CHECK, "mode", "exact (default) or pruned"},
 	{"keep", "SHARE", RECOGNIZE, "keep", "for --mode pruned: what each level keeps (0.1)"},
 	{"minimum", "N", RECOGNIZE, "minimum", "for --mode pruned: the fewest that a level keeps (10)"},
 	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
@@ -110,7 +112,8 @@ void esk_arguments_write_help(const esk_command *command, FILE *out)
 	for (size_t i = 0; i < COMMAND_COUNT; i++)
 		fprintf(out, "  %-10s %-12s%s\n", commands[i].name, commands[i].operands, commands[i].summary);
 	fputs("\n  eskel COMMAND --help lists its options; eskel --version\n\n"
-	      "Exit code: 0 done, 1 refused or not recognised, 2 wrong usage, 3 the server cannot be reached.\n",
+	      "Exit code: 0 done, 1 refused or not recognised, 2 wrong usage, 3 the server cannot be reached.\n"
+	      "Of check: 0 nothing found, 1 findings, 2 refused or wrong usage, 3 the server cannot be reached.\n",
 		out);
 }
 

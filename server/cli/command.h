@@ -6,6 +6,7 @@
 
 esk_outcome esk_command_enroll(esk_session *session);
 esk_outcome esk_command_recognize(esk_session *session);
+esk_outcome esk_command_check(esk_session *session);
 esk_outcome esk_command_distances(esk_session *session);
 esk_outcome esk_command_evaluate(esk_session *session);
 esk_outcome esk_command_show(esk_session *session);

@@ -163,6 +163,8 @@ static void other_requests_are_answered_or_refused(void **state)
 			NULL},
 		{{.method = "POST", .path = "/recognize", .body_size = (int64_t)file.size, FIELDS({"label", "2"})},
 			&file},
+		{{.method = "POST", .path = "/check", .body_size = (int64_t)file.size, FIELDS({"name", "a_right"})},
+			&file},
 		{{.method = "GET", .path = "/distances", FIELDS({"id", ids})}, NULL},
 		{{.method = "GET", .path = "/distances", FIELDS({"format", "csv"})}, NULL},
 		{{.method = "GET", .path = "/evaluation", FIELDS({"leave_out", "subject"}, {"distance", "level"})},

@@ -84,6 +84,9 @@ static void a_wrong_query_is_refused_by_its_head(void **state)
 		{"POST", "/recognize?shape=" ID, "there is no query parameter \\\"shape\\\""},
 		{"POST", "/recognize?limit=500", "limit is 500"},
 		{"POST", "/recognize?levels=3", "there is no query parameter \\\"levels\\\""},
+		{"POST", "/check?level=4", "level is 4 without a use, expected distance=level"},
+		{"POST", "/check?limit=3", "there is no query parameter \\\"limit\\\""},
+		{"POST", "/check?mode=fast", "mode is \\\"fast\\\", expected exact or pruned"},
 		{"GET", "/distances?id=1", "id has \\\"1\\\", expected an id of 32 lower-case hexadecimal digits"},
 		{"GET", "/distances?id=" ID ",", "id has \\\"\\\""},
 		{"GET", "/distances?id=" ID ";" ID, "id has"},
@@ -208,6 +211,9 @@ static void a_label_that_is_not_there_is_named_with_those_that_are(void **state)
 		answer r = post_volume(f->api, &file, "/recognize?%s", cases[i].query);
 		assert_says(&r, 422, cases[i].says);
 		answer_free(&r);
+		answer c = post_volume(f->api, &file, "/check?%s", cases[i].query);
+		assert_says(&c, 422, cases[i].says);
+		answer_free(&c);
 	}
 	nothing_is_stored(f->api);
 	volume_free(&file);

@@ -1,0 +1,354 @@
+/* Findings, see finding.h: a function a finding, and one table of thresholds, measured on the feet of two people and on
+ * three brain atlases. */
+#include "finding.h"
+
+#include "label_name.h"
+#include "value.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Shares of a vote that contradict a label: one that a person should look at, one that hardly errs. */
+#define DOUBTFUL_SCORE 0.5
+#define CERTAIN_SCORE 0.8
+/* A side is told only where it is decided at all, and then it is rarely wrong. */
+#define DOUBTFUL_SIDE_SCORE 0.2
+#define CERTAIN_SIDE_SCORE 0.5
+
+/* A shape that is hardly farther from its own class than from another may well be of its own: metatarsals 2 to 4 and small
+ * cuneiforms differ less among themselves than between people. */
+#define NOTABLE_MARGIN 1.15
+
+/* Deviations from the mean of its class. Ln distance is skewed to the far side; volumes of adults are not. */
+#define USUAL_Z 1.5
+#define IMPLAUSIBLE_Z 4
+#define FAR_Z 3
+#define IMPLAUSIBLE_VOLUME_Z 3
+
+/* A class of few shapes, or of one person, looks more alike than it is: bones of a man and a woman differ by ln 1.3 or so. */
+#define LEAST_VOLUME_DEVIATION 0.25
+/* Of the nearest in volume, in a class of one or two. */
+#define IMPLAUSIBLE_RATIO 2.5
+
+/* What two neighbours under one label are at least: a third larger than the class, or two pieces of a similar size. */
+#define MERGED_RATIO 1.35
+#define SIMILAR_SIZE 0.2
+
+/* Specks that a cleaning would remove change nothing. */
+#define WHOLE_SHARE 0.98
+#define NOTABLE_CAVITY 0.01
+#define FEW_VOXELS 1000
+#define TOO_FEW_VOXELS 100
+
+static esk_finding *add(esk_findings *findings, esk_finding_code code, esk_severity severity, const char *format, ...)
+	__attribute__((format(printf, 4, 5)));
+
+static esk_finding *add(esk_findings *findings, esk_finding_code code, esk_severity severity, const char *format, ...)
+{
+	esk_finding *finding = &findings->items[findings->count++];
+	*finding = (esk_finding){.code = code, .severity = severity};
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(finding->text, sizeof finding->text, format, arguments);
+	va_end(arguments);
+	return finding;
+}
+
+/* "talus, left" */
+typedef struct {
+	char text[ESK_TEXT_MOST + 16];
+} meaning;
+
+static meaning meaning_of(const char *class, eskel_side side)
+{
+	meaning made;
+	const char *side_text = esk_value_side_text(side);
+	snprintf(made.text, sizeof made.text, "%s%s%s", class, side_text ? ", " : "", side_text ? side_text : "");
+	return made;
+}
+
+/* ---- class and side */
+
+static bool differs_in_class(const esk_checked_label *label)
+{
+	return label->said_class && label->told_class && !esk_label_same_class(label->said_class, label->told_class);
+}
+
+/* Of a class that the library has not, a shape is contradicted only by one that it is as like as can be. */
+static bool contradicts_class(const esk_checked_label *label)
+{
+	if (!differs_in_class(label))
+		return false;
+	if (!label->class_is_known)
+		return label->class_score >= CERTAIN_SCORE && label->z < USUAL_Z;
+	return label->class_score >= DOUBTFUL_SCORE && !(label->said_distance < NOTABLE_MARGIN * label->told_distance);
+}
+
+static bool is_sided(eskel_side side)
+{
+	return side == ESKEL_SIDE_LEFT || side == ESKEL_SIDE_RIGHT;
+}
+
+static bool contradicts_side(const esk_checked_label *label)
+{
+	return label->said_class && label->told_class && !differs_in_class(label) && is_sided(label->said_side) &&
+	       is_sided(label->told_side) && label->said_side != label->told_side &&
+	       label->side_score >= DOUBTFUL_SIDE_SCORE;
+}
+
+static bool is_contradicted(const esk_checked_label *label)
+{
+	return contradicts_class(label) || contradicts_side(label);
+}
+
+/* Sides that are both known must be equal; in one class they must be known. */
+static bool looks_like(const esk_checked_label *shape, const esk_checked_label *name, bool strictly)
+{
+	if (!shape->told_class || !name->said_class || !esk_label_same_class(shape->told_class, name->said_class))
+		return false;
+	if (is_sided(shape->told_side) && is_sided(name->said_side))
+		return shape->told_side == name->said_side;
+	return !strictly;
+}
+
+/* Each looks as the other's name says and not as its own; that much is sure of one of them. */
+static bool are_exchanged(const esk_checked_label *a, const esk_checked_label *b, bool strictly)
+{
+	const bool same_class = !differs_in_class(a) && !differs_in_class(b);
+	if (!is_contradicted(a) && !is_contradicted(b))
+		return false;
+	return looks_like(a, b, strictly || same_class) && looks_like(b, a, strictly || same_class) &&
+	       !looks_like(a, a, false) && !looks_like(b, b, false);
+}
+
+/* One whose side fits as well is preferred to one whose side cannot be told. */
+static const esk_checked_label *partner_of(
+	const esk_checked_label *labels, size_t count, const esk_checked_label *label)
+{
+	for (int strictly = 1; strictly >= 0; strictly--)
+		for (size_t i = 0; i < count; i++)
+			if (&labels[i] != label && are_exchanged(label, &labels[i], strictly))
+				return &labels[i];
+	return NULL;
+}
+
+static void find_exchange(const esk_checked_label *label, const esk_checked_label *partner, esk_findings *findings)
+{
+	meaning told = meaning_of(label->told_class, label->told_side);
+	esk_finding *finding = add(findings, ESK_FINDING_SWAPPED_LABELS, ESK_SEVERITY_ERROR,
+		"the shape says %s, which is what label %" PRId32
+		" is called, and the shape of that says what this is called: the two are exchanged",
+		told.text, partner->label);
+	finding->partner = partner->label;
+}
+
+static void find_names(
+	const esk_checked_label *labels, size_t count, const esk_checked_label *label, esk_findings *findings)
+{
+	bool class = contradicts_class(label), side = contradicts_side(label);
+	const esk_checked_label *partner = looks_like(label, label, false) ? NULL : partner_of(labels, count, label);
+	if (partner)
+		find_exchange(label, partner, findings);
+	else if (class && !label->class_is_known)
+		add(findings, ESK_FINDING_WRONG_CLASS, ESK_SEVERITY_WARNING,
+			"the label says %s, of which the library has none; the shape says %s (score %.2f), at a "
+			"distance of "
+			"%.3f (z %.1f)",
+			label->said_class, label->told_class, label->class_score, label->told_distance, label->z);
+	else if (class)
+		add(findings, ESK_FINDING_WRONG_CLASS,
+			label->class_score >= CERTAIN_SCORE ? ESK_SEVERITY_ERROR : ESK_SEVERITY_WARNING,
+			"the label says %s, the shape says %s (score %.2f): the nearest shape is at distance %.3f, the "
+			"nearest "
+			"of the class said at %.3f",
+			label->said_class, label->told_class, label->class_score, label->told_distance,
+			label->said_distance);
+	else if (side)
+		add(findings, ESK_FINDING_SWAPPED_SIDE,
+			label->side_score >= CERTAIN_SIDE_SCORE ? ESK_SEVERITY_ERROR : ESK_SEVERITY_WARNING,
+			"the label says %s, the shape says %s (score %.2f)", esk_value_side_text(label->said_side),
+			esk_value_side_text(label->told_side), label->side_score);
+}
+
+/* A class that the library has not is unlike all that it has; that is no finding. */
+static void find_unrecognized(const esk_checked_label *label, esk_findings *findings)
+{
+	if (!label->told_class)
+		add(findings, ESK_FINDING_UNRECOGNIZED, ESK_SEVERITY_WARNING,
+			"no shape of the library says what this is");
+	else if (label->z > IMPLAUSIBLE_Z && !contradicts_class(label) && (label->class_is_known || !label->said_class))
+		add(findings, ESK_FINDING_UNRECOGNIZED, ESK_SEVERITY_WARNING,
+			"the shape is unlike every %s: the nearest is at distance %.3f, %.1f deviations beyond what is "
+			"usual "
+			"in its class",
+			label->class_is_known ? label->said_class : label->told_class,
+			label->class_is_known ? label->said_distance : label->told_distance, label->z);
+}
+
+static void find_unknown_class(const esk_checked_label *label, esk_findings *findings)
+{
+	if (label->said_class && !label->class_is_known)
+		add(findings, ESK_FINDING_UNKNOWN_CLASS, ESK_SEVERITY_NOTE,
+			"the library has no %s: the name cannot be checked", label->said_class);
+}
+
+/* ---- volume and pieces */
+
+static double deviation_of_volume(const esk_checked_label *label)
+{
+	return fmax(label->volume_deviation, LEAST_VOLUME_DEVIATION);
+}
+
+double esk_finding_volume_z(const esk_checked_label *label)
+{
+	if (label->volume_count < 3)
+		return NAN;
+	return (log(label->volume) - label->volume_mean) / deviation_of_volume(label);
+}
+
+/* Ln of the volume over that of its class; NaN without one. */
+static double excess_of(const esk_checked_label *label)
+{
+	return label->volume_count > 0 ? log(label->volume) - label->volume_mean : NAN;
+}
+
+/* The median of the excesses: how much larger the person is than those of the library. 0 unless three labels tell. */
+static double excess_of_map(const esk_checked_label *labels, size_t count)
+{
+	size_t known = 0;
+	for (size_t i = 0; i < count; i++)
+		known += labels[i].volume_count > 0;
+	for (size_t i = 0; known >= 3 && i < count; i++) {
+		size_t below = 0, equal = 0;
+		for (size_t j = 0; j < count; j++) {
+			below += excess_of(&labels[j]) < excess_of(&labels[i]);
+			equal += excess_of(&labels[j]) == excess_of(&labels[i]);
+		}
+		if (below <= known / 2 && known / 2 < below + equal)
+			return excess_of(&labels[i]);
+	}
+	return 0;
+}
+
+static bool has_similar_pieces(const esk_checked_label *label)
+{
+	return (double)label->second >= SIMILAR_SIZE * (double)label->largest;
+}
+
+static bool looks_merged(const esk_checked_label *label, double excess_of_others)
+{
+	return excess_of(label) - excess_of_others > log(MERGED_RATIO) &&
+	       (has_similar_pieces(label) || label->z > FAR_Z || contradicts_class(label));
+}
+
+static void find_merged(const esk_checked_label *label, double excess_of_others, esk_findings *findings)
+{
+	double ratio = exp(excess_of(label) - excess_of_others);
+	if (has_similar_pieces(label))
+		add(findings, ESK_FINDING_MERGED, ESK_SEVERITY_WARNING,
+			"in %zu components, the largest of %" PRIu64 " and %" PRIu64
+			" voxels, %.1f times as large as a %s of this size of person: perhaps neighbours under one "
+			"label",
+			label->component_count, label->largest, label->second, ratio, label->said_class);
+	else
+		add(findings, ESK_FINDING_MERGED, ESK_SEVERITY_WARNING,
+			"%.1f times as large as a %s of this size of person, and of another shape (z %.1f): perhaps "
+			"grown "
+			"into a neighbour",
+			ratio, label->said_class, label->z);
+}
+
+static void find_pieces(const esk_checked_label *label, double excess_of_others, esk_findings *findings)
+{
+	double share = (double)label->largest / (double)label->voxels;
+	if (looks_merged(label, excess_of_others))
+		find_merged(label, excess_of_others, findings);
+	else if (label->component_count > 1)
+		add(findings, ESK_FINDING_FRAGMENTED, share < WHOLE_SHARE ? ESK_SEVERITY_WARNING : ESK_SEVERITY_NOTE,
+			"in %zu components, the largest has %.2f %% of the voxels", label->component_count,
+			100 * share);
+}
+
+static void find_volume(const esk_checked_label *label, esk_findings *findings)
+{
+	double z = esk_finding_volume_z(label);
+	if (fabs(z) > IMPLAUSIBLE_VOLUME_Z)
+		add(findings, ESK_FINDING_IMPLAUSIBLE_VOLUME, ESK_SEVERITY_WARNING,
+			"%.0f mm³, where %zu of its class have %.0f (z %.1f)", label->volume, label->volume_count,
+			exp(label->volume_mean), z);
+	if (label->volume_count == 0 || label->volume_count >= 3)
+		return;
+	/* One or two numbers lie at mean - deviation and mean + deviation. */
+	double excess = excess_of(label), nearest = excess > 0 ? label->volume_deviation : -label->volume_deviation;
+	if (fabs(excess - nearest) > log(IMPLAUSIBLE_RATIO))
+		add(findings, ESK_FINDING_IMPLAUSIBLE_VOLUME, ESK_SEVERITY_WARNING,
+			"%.0f mm³, %.2f times the nearest of its class, %.0f", label->volume, exp(excess - nearest),
+			exp(label->volume_mean + nearest));
+}
+
+/* ---- the grid */
+
+static void find_border(const esk_checked_label *label, esk_findings *findings)
+{
+	static const char *const sides[] = {
+		"first low", "first high", "second low", "second high", "third low", "third high"};
+	char text[100] = "";
+	for (unsigned side = 0, used = 0; side < 6; side++)
+		if (label->border >> side & 1)
+			used += (unsigned)snprintf(
+				text + used, sizeof text - used, "%s%s", used ? ", " : "", sides[side]);
+	if (label->border)
+		add(findings, ESK_FINDING_TOUCHES_BORDER, ESK_SEVERITY_WARNING,
+			"touches the border of the grid (%s index): it may be cut off", text);
+}
+
+static void find_holes(const esk_checked_label *label, esk_findings *findings)
+{
+	double share = (double)label->cavity_voxels / (double)label->voxels;
+	if (label->cavity_count > 0)
+		add(findings, ESK_FINDING_HOLES, share >= NOTABLE_CAVITY ? ESK_SEVERITY_WARNING : ESK_SEVERITY_NOTE,
+			"%zu cavit%s of %" PRIu64 " voxels together, %.2f %% of the object", label->cavity_count,
+			label->cavity_count == 1 ? "y" : "ies", label->cavity_voxels, 100 * share);
+}
+
+static void find_few_voxels(const esk_checked_label *label, esk_findings *findings)
+{
+	if (label->voxels < FEW_VOXELS)
+		add(findings, ESK_FINDING_FEW_VOXELS,
+			label->voxels < TOO_FEW_VOXELS ? ESK_SEVERITY_WARNING : ESK_SEVERITY_NOTE,
+			"%" PRIu64 " voxels, fewer than %d: the shape follows the grid", label->voxels, FEW_VOXELS);
+}
+
+void esk_findings_of_map(const esk_checked_label *labels, size_t count, esk_findings *findings)
+{
+	const double excess = excess_of_map(labels, count);
+	for (size_t i = 0; i < count; i++) {
+		const esk_checked_label *label = &labels[i];
+		findings[i].count = 0;
+		find_names(labels, count, label, &findings[i]);
+		find_unrecognized(label, &findings[i]);
+		find_pieces(label, excess, &findings[i]);
+		find_volume(label, &findings[i]);
+		find_border(label, &findings[i]);
+		find_holes(label, &findings[i]);
+		find_few_voxels(label, &findings[i]);
+		find_unknown_class(label, &findings[i]);
+	}
+}
+
+const char *esk_finding_name(esk_finding_code code)
+{
+#define ESK_FINDING_NAME(code, name) [code] = name,
+	static const char *const names[] = {ESK_FINDINGS(ESK_FINDING_NAME)};
+#undef ESK_FINDING_NAME
+	return names[code];
+}
+
+const char *esk_severity_name(esk_severity severity)
+{
+	static const char *const names[] = {"note", "warning", "error"};
+	return names[severity];
+}

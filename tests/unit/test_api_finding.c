@@ -1,0 +1,313 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "class_statistics.h"
+#include "finding.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const eskel_side L = ESKEL_SIDE_LEFT, R = ESKEL_SIDE_RIGHT, UNKNOWN = ESKEL_SIDE_UNKNOWN;
+
+/* One of a class with five in the library, of its volume, nothing wrong. */
+static esk_checked_label good(int32_t label, const char *class, eskel_side side)
+{
+	return (esk_checked_label){
+		.label = label,
+		.said_class = class,
+		.said_side = side,
+		.class_is_known = true,
+		.said_distance = 0.2,
+		.z = 0.3,
+		.told_class = class,
+		.told_side = side,
+		.class_score = 0.95,
+		.side_score = 0.9,
+		.told_distance = 0.2,
+		.volume_count = 5,
+		.volume_mean = log(30000),
+		.volume_deviation = 0.1,
+		.voxels = 30000,
+		.volume = 30000,
+		.component_count = 1,
+		.largest = 30000,
+	};
+}
+
+/* The shape says something else than the label. */
+static esk_checked_label told(esk_checked_label label, const char *class, eskel_side side)
+{
+	label.told_class = class;
+	label.told_side = side;
+	if (strcmp(label.said_class, class) != 0)
+		label.said_distance = 0.8;
+	return label;
+}
+
+/* "code severity partner; ..." of one of the labels. */
+static const char *found(const esk_checked_label *labels, size_t count, size_t index)
+{
+	static esk_findings findings[8];
+	static char text[600];
+	size_t used = 0;
+	esk_findings_of_map(labels, count, findings);
+	text[0] = 0;
+	for (size_t i = 0; i < findings[index].count; i++) {
+		const esk_finding *finding = &findings[index].items[i];
+		assert_true(finding->text[0]);
+		used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %s", used ? "; " : "",
+			esk_finding_name(finding->code), esk_severity_name(finding->severity));
+		if (finding->partner)
+			used += (size_t)snprintf(text + used, sizeof text - used, " %d", (int)finding->partner);
+	}
+	return text;
+}
+
+static const char *found_alone(esk_checked_label label)
+{
+	return found(&label, 1, 0);
+}
+
+static void nothing_is_found_where_nothing_is_wrong(void **state)
+{
+	(void)state;
+	assert_string_equal(found_alone(good(1, "talus", L)), "");
+	assert_string_equal(found_alone(told(good(1, "talus", L), "talus", UNKNOWN)), "");
+	assert_string_equal(found_alone(told(good(1, "hamate_bone", L), "hamate", L)), "");
+	esk_checked_label unnamed = good(1, "talus", L);
+	unnamed.said_class = NULL;
+	unnamed.class_is_known = false;
+	unnamed.said_side = UNKNOWN;
+	unnamed.volume_count = 0;
+	assert_string_equal(found_alone(unnamed), "");
+}
+
+static void a_contradicted_name_is_as_severe_as_its_score_is_high(void **state)
+{
+	(void)state;
+	esk_checked_label class = told(good(1, "talus", L), "cuboid", L), side = told(good(1, "talus", L), "talus", R);
+	assert_string_equal(found_alone(class), "wrong_class error");
+	assert_string_equal(found_alone(side), "swapped_side error");
+	class.class_score = 0.6;
+	side.side_score = 0.3;
+	assert_string_equal(found_alone(class), "wrong_class warning");
+	assert_string_equal(found_alone(side), "swapped_side warning");
+	class.class_score = 0.4;
+	side.side_score = 0.1;
+	assert_string_equal(found_alone(class), "");
+	assert_string_equal(found_alone(side), "");
+	class = told(good(1, "metatarsal2", L), "metatarsal3", L);
+	class.said_distance = 1.1 * class.told_distance;
+	assert_string_equal(found_alone(class), "");
+}
+
+static void labels_that_look_like_each_other_are_partners(void **state)
+{
+	(void)state;
+	const esk_checked_label sides[] = {good(4, "talus", L), told(good(7, "tibia", L), "tibia", R),
+		told(good(9, "tibia", R), "tibia", L), good(12, "talus", R)};
+	assert_string_equal(found(sides, 4, 0), "");
+	assert_string_equal(found(sides, 4, 1), "swapped_labels error 9");
+	assert_string_equal(found(sides, 4, 2), "swapped_labels error 7");
+	/* of two that look like it, the one whose side fits */
+	const esk_checked_label classes[] = {told(good(1, "talus", L), "cuboid", R),
+		told(good(2, "cuboid", L), "talus", UNKNOWN), told(good(3, "cuboid", R), "talus", L)};
+	assert_string_equal(found(classes, 3, 0), "swapped_labels error 3");
+	assert_string_equal(found(classes, 3, 2), "swapped_labels error 1");
+	/* one that is sure is enough */
+	esk_checked_label doubtful[] = {told(good(1, "talus", L), "cuboid", L), told(good(2, "cuboid", L), "talus", L)};
+	doubtful[1].class_score = 0.3;
+	assert_string_equal(found(doubtful, 2, 0), "swapped_labels error 2");
+	assert_string_equal(found(doubtful, 2, 1), "swapped_labels error 1");
+	doubtful[0].class_score = 0.3;
+	assert_string_equal(found(doubtful, 2, 0), "");
+	/* where a side cannot be told, two of one class are not exchanged */
+	const esk_checked_label undecided[] = {
+		told(good(1, "patella", L), "patella", UNKNOWN), told(good(2, "patella", R), "patella", L)};
+	assert_string_equal(found(undecided, 2, 0), "");
+	assert_string_equal(found(undecided, 2, 1), "swapped_side error");
+	/* three in a circle have no partner */
+	const esk_checked_label circle[] = {
+		told(good(1, "a", L), "b", L), told(good(2, "b", L), "c", L), told(good(3, "c", L), "a", L)};
+	assert_string_equal(found(circle, 3, 1), "wrong_class error");
+}
+
+static void a_name_that_the_library_has_not_is_noted(void **state)
+{
+	(void)state;
+	esk_checked_label label = told(good(1, "unicorn", L), "talus", L);
+	label.class_is_known = false;
+	label.volume_count = 0;
+	label.said_distance = NAN;
+	assert_string_equal(found_alone(label), "wrong_class warning; unknown_class note");
+	label.z = 2; /* no talus either */
+	assert_string_equal(found_alone(label), "unknown_class note");
+	label.z = 5;
+	assert_string_equal(found_alone(label), "unknown_class note");
+	label.told_class = NULL;
+	label.z = NAN;
+	assert_string_equal(found_alone(label), "unrecognized warning; unknown_class note");
+}
+
+static void a_shape_far_from_its_class_is_unrecognized(void **state)
+{
+	(void)state;
+	esk_checked_label label = good(1, "talus", L);
+	label.z = 3.9;
+	assert_string_equal(found_alone(label), "");
+	label.z = 4.1;
+	assert_string_equal(found_alone(label), "unrecognized warning");
+	label.z = NAN;
+	assert_string_equal(found_alone(label), "");
+}
+
+static void volumes_are_held_against_their_class(void **state)
+{
+	(void)state;
+	esk_checked_label label = good(1, "talus", L);
+	label.volume = 30000 * exp(0.7);
+	assert_string_equal(found_alone(label), "");
+	label.volume = 30000 * exp(-0.8); /* more than 3 x 0.25 */
+	assert_string_equal(found_alone(label), "implausible_volume warning");
+	label.volume_deviation = 0.5;
+	assert_string_equal(found_alone(label), "");
+	/* of two, 20000 and 45000 mm^3, the nearest counts */
+	label.volume_count = 2;
+	label.volume_deviation = 0.5 * log(45000. / 20000);
+	label.volume = 20000 / 2.4;
+	assert_string_equal(found_alone(label), "");
+	label.volume = 20000 / 2.6;
+	assert_string_equal(found_alone(label), "implausible_volume warning");
+	label.volume = 45000 * 2.4;
+	assert_string_equal(found_alone(label), "");
+	label.volume = 45000 * 2.6;
+	assert_string_equal(found_alone(label), "implausible_volume warning");
+	label.volume_count = 0;
+	assert_string_equal(found_alone(label), "");
+}
+
+static void pieces_are_merged_when_they_are_too_large_together(void **state)
+{
+	(void)state;
+	esk_checked_label label = good(1, "talus", L);
+	label.component_count = 2;
+	label.largest = 18000;
+	label.second = 12000;
+	assert_string_equal(found_alone(label), "fragmented warning");
+	label.volume = 30000 * 1.5;
+	assert_string_equal(found_alone(label), "merged warning");
+	/* unless all of the map is as large */
+	esk_checked_label map[] = {label, good(2, "cuboid", L), good(3, "tibia", L)};
+	assert_string_equal(found(map, 3, 0), "merged warning");
+	map[1].volume = map[2].volume = label.volume;
+	assert_string_equal(found(map, 3, 0), "fragmented warning");
+	/* in one piece, and of another shape */
+	label = good(1, "talus", L);
+	label.volume = 30000 * 1.5;
+	assert_string_equal(found_alone(label), "");
+	label.z = 3.5;
+	assert_string_equal(found_alone(label), "merged warning");
+	label = good(1, "talus", L);
+	label.component_count = 9;
+	label.largest = 29950;
+	label.second = 30;
+	assert_string_equal(found_alone(label), "fragmented note");
+}
+
+static void the_grid_is_looked_at(void **state)
+{
+	(void)state;
+	esk_checked_label label = good(1, "talus", L);
+	label.border = 1u << 5 | 1;
+	assert_string_equal(found_alone(label), "touches_border warning");
+	label = good(1, "talus", L);
+	label.cavity_count = 2;
+	label.cavity_voxels = 299;
+	assert_string_equal(found_alone(label), "holes note");
+	label.cavity_voxels = 300;
+	assert_string_equal(found_alone(label), "holes warning");
+	label = good(1, "talus", L);
+	label.voxels = label.largest = 999;
+	assert_string_equal(found_alone(label), "few_voxels note");
+	label.voxels = label.largest = 99;
+	assert_string_equal(found_alone(label), "few_voxels warning");
+}
+
+static void a_sentence_has_room_for_the_longest_names(void **state)
+{
+	(void)state;
+	char long_class[201], other[201];
+	memset(long_class, 'x', 200);
+	memset(other, 'y', 200);
+	long_class[200] = other[200] = 0;
+	static esk_findings findings[1];
+	const esk_checked_label label = told(good(1, long_class, L), other, R);
+	esk_findings_of_map(&label, 1, findings);
+	assert_non_null(strstr(findings[0].items[0].text, "of the class said at 0.800"));
+}
+
+/* Beside mean and deviation by their definitions. */
+static void spreads_join_as_if_all_numbers_were_added(void **state)
+{
+	(void)state;
+	const double numbers[] = {1, 4, 2.5, -3, 8, 8, 0.25};
+	for (size_t cut = 0; cut <= 7; cut++) {
+		esk_spread a = {0}, b = {0};
+		double mean = 0, squares = 0;
+		for (size_t i = 0; i < 7; i++) {
+			esk_spread_add(i < cut ? &a : &b, numbers[i]);
+			mean += numbers[i] / 7;
+		}
+		for (size_t i = 0; i < 7; i++)
+			squares += (numbers[i] - mean) * (numbers[i] - mean);
+		esk_spread_merge(&a, &b);
+		assert_int_equal(a.count, 7);
+		assert_true(fabs(a.mean - mean) < 1e-12);
+		assert_true(fabs(esk_spread_deviation(&a) - sqrt(squares / 7)) < 1e-12);
+	}
+	assert_true(isnan(esk_spread_deviation(&(esk_spread){0})));
+}
+
+static void z_is_that_of_the_class_joined_by_three_numbers_of_the_library(void **state)
+{
+	(void)state;
+	const double class_logs[] = {-1.5, -1.4, -1.2, -1.7}, library_logs[] = {-1.5, -1.4, -1.2, -1.7, -0.9, -0.3};
+	esk_spread class = {0}, library = {0};
+	for (size_t i = 0; i < 4; i++)
+		esk_spread_add(&class, class_logs[i]);
+	for (size_t i = 0; i < 6; i++)
+		esk_spread_add(&library, library_logs[i]);
+	double m = class.mean, v = pow(esk_spread_deviation(&class), 2), M = library.mean,
+	       V = pow(esk_spread_deviation(&library), 2);
+	double mean = (4 * m + 3 * M) / 7;
+	double variance = (4 * (v + pow(m - mean, 2)) + 3 * (V + pow(M - mean, 2))) / 7;
+	double z = esk_class_statistics_z(&class, &library, 0.5);
+	assert_true(fabs(z - (log(0.5) - mean) / sqrt(variance)) < 1e-12);
+	double alone = esk_class_statistics_z(&(esk_spread){0}, &library, 0.5);
+	assert_true(fabs(alone - (log(0.5) - M) / sqrt(V)) < 1e-12);
+	assert_true(isnan(esk_class_statistics_z(&class, &(esk_spread){0}, 0.5)));
+	assert_true(isnan(esk_class_statistics_z(&class, &library, NAN)));
+	assert_true(isfinite(esk_class_statistics_z(&class, &library, 0)));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(nothing_is_found_where_nothing_is_wrong),
+		cmocka_unit_test(a_contradicted_name_is_as_severe_as_its_score_is_high),
+		cmocka_unit_test(labels_that_look_like_each_other_are_partners),
+		cmocka_unit_test(a_name_that_the_library_has_not_is_noted),
+		cmocka_unit_test(a_shape_far_from_its_class_is_unrecognized),
+		cmocka_unit_test(volumes_are_held_against_their_class),
+		cmocka_unit_test(pieces_are_merged_when_they_are_too_large_together),
+		cmocka_unit_test(the_grid_is_looked_at),
+		cmocka_unit_test(a_sentence_has_room_for_the_longest_names),
+		cmocka_unit_test(spreads_join_as_if_all_numbers_were_added),
+		cmocka_unit_test(z_is_that_of_the_class_joined_by_three_numbers_of_the_library),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
