@@ -11,8 +11,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Shares of a vote that contradict a label: one that a person should look at, one that hardly errs. */
-#define DOUBTFUL_SCORE 0.5
+/* Shares of a vote that contradict a label: one that a person should look at, one that hardly errs. Most labels are right, so
+ * an even chance is not enough. */
+#define DOUBTFUL_SCORE 0.6
 #define CERTAIN_SCORE 0.8
 /* A side is told only where it is decided at all, and then it is rarely wrong. */
 #define DOUBTFUL_SIDE_SCORE 0.2
@@ -145,32 +146,46 @@ static void find_exchange(const esk_checked_label *label, const esk_checked_labe
 	finding->partner = partner->label;
 }
 
-static void find_names(
+/* What is cut off may look like something else. */
+static esk_severity severity_of(const esk_checked_label *label, bool certain)
+{
+	return certain && !label->border ? ESK_SEVERITY_ERROR : ESK_SEVERITY_WARNING;
+}
+
+static void find_wrong_class(const esk_checked_label *label, esk_findings *findings)
+{
+	if (label->class_is_known)
+		add(findings, ESK_FINDING_WRONG_CLASS, severity_of(label, label->class_score >= CERTAIN_SCORE),
+			"the label says %s, the shape says %s (score %.2f): the nearest of that is at distance %.3f, "
+			"of the "
+			"class said at %.3f",
+			label->said_class, label->told_class, label->class_score, label->told_distance,
+			label->said_distance);
+	else
+		add(findings, ESK_FINDING_WRONG_CLASS, ESK_SEVERITY_WARNING,
+			"the label says %s, of which the library has none, the shape says %s (score %.2f): at distance "
+			"%.3f "
+			"it is as near as those of that class are to each other (z %.1f)",
+			label->said_class, label->told_class, label->class_score, label->told_distance, label->z);
+}
+
+static void find_wrong_side(const esk_checked_label *label, esk_findings *findings)
+{
+	add(findings, ESK_FINDING_SWAPPED_SIDE, severity_of(label, label->side_score >= CERTAIN_SIDE_SCORE),
+		"the label says %s, the shape says %s (score %.2f)", esk_value_side_text(label->said_side),
+		esk_value_side_text(label->told_side), label->side_score);
+}
+
+static void find_wrong_name(
 	const esk_checked_label *labels, size_t count, const esk_checked_label *label, esk_findings *findings)
 {
-	bool class = contradicts_class(label), side = contradicts_side(label);
 	const esk_checked_label *partner = looks_like(label, label, false) ? NULL : partner_of(labels, count, label);
 	if (partner)
 		find_exchange(label, partner, findings);
-	else if (class && !label->class_is_known)
-		add(findings, ESK_FINDING_WRONG_CLASS, ESK_SEVERITY_WARNING,
-			"the label says %s, of which the library has none; the shape says %s (score %.2f), at a "
-			"distance of "
-			"%.3f (z %.1f)",
-			label->said_class, label->told_class, label->class_score, label->told_distance, label->z);
-	else if (class)
-		add(findings, ESK_FINDING_WRONG_CLASS,
-			label->class_score >= CERTAIN_SCORE ? ESK_SEVERITY_ERROR : ESK_SEVERITY_WARNING,
-			"the label says %s, the shape says %s (score %.2f): the nearest shape is at distance %.3f, the "
-			"nearest "
-			"of the class said at %.3f",
-			label->said_class, label->told_class, label->class_score, label->told_distance,
-			label->said_distance);
-	else if (side)
-		add(findings, ESK_FINDING_SWAPPED_SIDE,
-			label->side_score >= CERTAIN_SIDE_SCORE ? ESK_SEVERITY_ERROR : ESK_SEVERITY_WARNING,
-			"the label says %s, the shape says %s (score %.2f)", esk_value_side_text(label->said_side),
-			esk_value_side_text(label->told_side), label->side_score);
+	else if (contradicts_class(label))
+		find_wrong_class(label, findings);
+	else if (contradicts_side(label))
+		find_wrong_side(label, findings);
 }
 
 /* A class that the library has not is unlike all that it has; that is no finding. */
@@ -249,16 +264,15 @@ static void find_merged(const esk_checked_label *label, double excess_of_others,
 	double ratio = exp(excess_of(label) - excess_of_others);
 	if (has_similar_pieces(label))
 		add(findings, ESK_FINDING_MERGED, ESK_SEVERITY_WARNING,
-			"in %zu components, the largest of %" PRIu64 " and %" PRIu64
-			" voxels, %.1f times as large as a %s of this size of person: perhaps neighbours under one "
-			"label",
-			label->component_count, label->largest, label->second, ratio, label->said_class);
+			"%.1f times as large as a %s beside the rest of the map, in %zu components, the largest of "
+			"%" PRIu64 " and %" PRIu64 " voxels: perhaps two neighbours",
+			ratio, label->said_class, label->component_count, label->largest, label->second);
 	else
 		add(findings, ESK_FINDING_MERGED, ESK_SEVERITY_WARNING,
-			"%.1f times as large as a %s of this size of person, and of another shape (z %.1f): perhaps "
-			"grown "
-			"into a neighbour",
-			ratio, label->said_class, label->z);
+			"%.1f times as large as a %s beside the rest of the map, and of another shape: perhaps grown "
+			"into a "
+			"neighbour",
+			ratio, label->said_class);
 }
 
 static void find_pieces(const esk_checked_label *label, double excess_of_others, esk_findings *findings)
@@ -328,7 +342,7 @@ void esk_findings_of_map(const esk_checked_label *labels, size_t count, esk_find
 	for (size_t i = 0; i < count; i++) {
 		const esk_checked_label *label = &labels[i];
 		findings[i].count = 0;
-		find_names(labels, count, label, &findings[i]);
+		find_wrong_name(labels, count, label, &findings[i]);
 		find_unrecognized(label, &findings[i]);
 		find_pieces(label, excess, &findings[i]);
 		find_volume(label, &findings[i]);

@@ -92,7 +92,11 @@ static void a_contradicted_name_is_as_severe_as_its_score_is_high(void **state)
 	esk_checked_label class = told(good(1, "talus", L), "cuboid", L), side = told(good(1, "talus", L), "talus", R);
 	assert_string_equal(found_alone(class), "wrong_class error");
 	assert_string_equal(found_alone(side), "swapped_side error");
-	class.class_score = 0.6;
+	class.border = side.border = 2;
+	assert_string_equal(found_alone(class), "wrong_class warning; touches_border warning");
+	assert_string_equal(found_alone(side), "swapped_side warning; touches_border warning");
+	class.border = side.border = 0;
+	class.class_score = 0.7;
 	side.side_score = 0.3;
 	assert_string_equal(found_alone(class), "wrong_class warning");
 	assert_string_equal(found_alone(side), "swapped_side warning");

@@ -364,6 +364,34 @@ static void a_problem_is_its_detail_or_its_title(void **state)
 	assert_null(eskel_report_problem("<html>", 6));
 }
 
+static void a_check_is_a_row_a_label_and_a_line_a_finding(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_CHECK);
+	add(report, "feet.nii",
+		"{\"labels\":[{\"label\":1,\"name\":\"talus_R\",\"class\":\"talus\",\"side\":\"right\",\"z\":0.77,"
+		"\"verdict\":{\"class\":\"talus\",\"class_score\":0.987,\"side\":\"left\",\"side_score\":0.5},"
+		"\"findings\":[{\"code\":\"swapped_side\",\"severity\":\"error\",\"text\":\"it is a left one\"},"
+		"{\"code\":\"holes\",\"severity\":\"note\",\"text\":\"1 cavity\"}]},"
+		"{\"label\":12,\"name\":null,\"class\":null,\"side\":null,\"z\":null,\"verdict\":{\"class\":\"cuboid\","
+		"\"class_score\":1.0,\"side\":null,\"side_score\":null},\"findings\":[]}],"
+		"\"findings\":{\"error\":1,\"warning\":0,\"note\":1},"
+		"\"warnings\":[{\"code\":\"no_orientation\",\"text\":\"which side is left is not recorded\"}]}");
+	assert_text(report, false,
+		"label  name         says   side   looks like  score  side  score    z  findings\n"
+		"    1  talus_R      talus  right  talus        0.99  left   0.50  0.8  swapped_side, (holes)\n"
+		"   12  feet.nii:12  -      -      cuboid       1.00  -         -    -  -\n"
+		"\nfeet.nii: 2 labels, 1 errors, 0 warnings, 1 notes\n"
+		"feet.nii: which side is left is not recorded\n"
+		"label 1 (talus_R): error swapped_side: it is a left one\n"
+		"label 1 (talus_R): note holes: 1 cavity\n");
+	assert_int_equal(eskel_report_findings(report), 1);
+	char *coloured = eskel_report_text(report, true);
+	assert_non_null(strstr(coloured, "\033[31mswapped_side, (holes)\033[0m"));
+	free(coloured);
+	eskel_report_free(report);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -375,6 +403,7 @@ int main(void)
 		cmocka_unit_test(the_cursor_of_a_longer_list_is_told),
 		cmocka_unit_test(one_shape_is_shown_member_by_member),
 		cmocka_unit_test(a_recognition_says_class_side_and_whether_the_label_agrees),
+		cmocka_unit_test(a_check_is_a_row_a_label_and_a_line_a_finding),
 		cmocka_unit_test(a_single_recognition_lists_its_neighbours_and_explains_itself),
 		cmocka_unit_test(colour_marks_a_label_that_disagrees),
 		cmocka_unit_test(a_matrix_has_one_numbered_column_a_row),
