@@ -118,11 +118,11 @@ static bool looks_like(const esk_checked_label *shape, const esk_checked_label *
 /* Each looks as the other's name says and not as its own; that much is sure of one of them. */
 static bool are_exchanged(const esk_checked_label *a, const esk_checked_label *b, bool strictly)
 {
-	const bool same_class = !differs_in_class(a) && !differs_in_class(b);
-	if (!is_contradicted(a) && !is_contradicted(b))
+	if (!looks_like(a, b, strictly) || !looks_like(b, a, strictly) || looks_like(a, a, false) ||
+		looks_like(b, b, false))
 		return false;
-	return looks_like(a, b, strictly || same_class) && looks_like(b, a, strictly || same_class) &&
-	       !looks_like(a, a, false) && !looks_like(b, b, false);
+	const bool same_class = !differs_in_class(a) && !differs_in_class(b);
+	return (strictly || !same_class) && (is_contradicted(a) || is_contradicted(b));
 }
 
 /* One whose side fits as well is preferred to one whose side cannot be told. */
@@ -131,7 +131,7 @@ static const esk_checked_label *partner_of(
 {
 	for (int strictly = 1; strictly >= 0; strictly--)
 		for (size_t i = 0; i < count; i++)
-			if (&labels[i] != label && are_exchanged(label, &labels[i], strictly))
+			if (are_exchanged(label, &labels[i], strictly))
 				return &labels[i];
 	return NULL;
 }
@@ -139,10 +139,10 @@ static const esk_checked_label *partner_of(
 static void find_exchange(const esk_checked_label *label, const esk_checked_label *partner, esk_findings *findings)
 {
 	meaning told = meaning_of(label->told_class, label->told_side);
+	meaning partner_told = meaning_of(partner->told_class, partner->told_side);
 	esk_finding *finding = add(findings, ESK_FINDING_SWAPPED_LABELS, ESK_SEVERITY_ERROR,
-		"the shape says %s, which is what label %" PRId32
-		" is called, and the shape of that says what this is called: the two are exchanged",
-		told.text, partner->label);
+		"the shape says %s, the name of label %" PRId32 ", whose shape says %s: the two names are exchanged",
+		told.text, partner->label, partner_told.text);
 	finding->partner = partner->label;
 }
 
@@ -157,15 +157,14 @@ static void find_wrong_class(const esk_checked_label *label, esk_findings *findi
 	if (label->class_is_known)
 		add(findings, ESK_FINDING_WRONG_CLASS, severity_of(label, label->class_score >= CERTAIN_SCORE),
 			"the label says %s, the shape says %s (score %.2f): the nearest of that is at distance %.3f, "
-			"of the "
-			"class said at %.3f",
+			"of "
+			"the class said at %.3f",
 			label->said_class, label->told_class, label->class_score, label->told_distance,
 			label->said_distance);
 	else
 		add(findings, ESK_FINDING_WRONG_CLASS, ESK_SEVERITY_WARNING,
 			"the label says %s, of which the library has none, the shape says %s (score %.2f): at distance "
-			"%.3f "
-			"it is as near as those of that class are to each other (z %.1f)",
+			"%.3f it is as near as those of that class are to each other (z %.1f)",
 			label->said_class, label->told_class, label->class_score, label->told_distance, label->z);
 }
 
@@ -176,13 +175,9 @@ static void find_wrong_side(const esk_checked_label *label, esk_findings *findin
 		esk_value_side_text(label->told_side), label->side_score);
 }
 
-static void find_wrong_name(
-	const esk_checked_label *labels, size_t count, const esk_checked_label *label, esk_findings *findings)
+static void find_wrong_name(const esk_checked_label *label, esk_findings *findings)
 {
-	const esk_checked_label *partner = looks_like(label, label, false) ? NULL : partner_of(labels, count, label);
-	if (partner)
-		find_exchange(label, partner, findings);
-	else if (contradicts_class(label))
+	if (contradicts_class(label))
 		find_wrong_class(label, findings);
 	else if (contradicts_side(label))
 		find_wrong_side(label, findings);
@@ -336,20 +331,34 @@ static void find_few_voxels(const esk_checked_label *label, esk_findings *findin
 			"%" PRIu64 " voxels, fewer than %d: the shape follows the grid", label->voxels, FEW_VOXELS);
 }
 
+/* excess_of_others: how much larger than the library the map is. */
+static void find_all(const esk_checked_label *label, double excess_of_others, esk_findings *findings)
+{
+	find_unrecognized(label, findings);
+	find_pieces(label, excess_of_others, findings);
+	find_volume(label, findings);
+	find_border(label, findings);
+	find_holes(label, findings);
+	find_few_voxels(label, findings);
+	find_unknown_class(label, findings);
+}
+
 void esk_findings_of_map(const esk_checked_label *labels, size_t count, esk_findings *findings)
 {
 	const double excess = excess_of_map(labels, count);
 	for (size_t i = 0; i < count; i++) {
-		const esk_checked_label *label = &labels[i];
+		esk_checked_label label = labels[i];
+		const esk_checked_label *partner = partner_of(labels, count, &labels[i]);
 		findings[i].count = 0;
-		find_wrong_name(labels, count, label, &findings[i]);
-		find_unrecognized(label, &findings[i]);
-		find_pieces(label, excess, &findings[i]);
-		find_volume(label, &findings[i]);
-		find_border(label, &findings[i]);
-		find_holes(label, &findings[i]);
-		find_few_voxels(label, &findings[i]);
-		find_unknown_class(label, &findings[i]);
+		if (partner) {
+			find_exchange(&label, partner, &findings[i]);
+			/* The class is another's, so neither distance nor volume are to be held against it. */
+			label.z = NAN;
+			label.volume_count = 0;
+		} else {
+			find_wrong_name(&label, &findings[i]);
+		}
+		find_all(&label, excess, &findings[i]);
 	}
 }
 

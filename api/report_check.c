@@ -89,7 +89,7 @@ static void write_words(const json_t *entry, FILE *out)
 	const char *source = esk_report_member(entry, "source");
 	fputc('\n', out);
 	esk_table_write_plain(out, source);
-	fprintf(out, ": %zu labels, %lld errors, %lld warnings, %lld notes\n",
+	fprintf(out, ": labels %zu, errors %lld, warnings %lld, notes %lld\n",
 		json_array_size(json_object_get(answer, "labels")),
 		(long long)json_integer_value(json_object_get(counts, "error")),
 		(long long)json_integer_value(json_object_get(counts, "warning")),

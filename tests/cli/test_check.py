@@ -42,7 +42,7 @@ class Hooks(Served):
         self.assertEqual([(row["name"], row["says"], row["looks like"], row["findings"]) for row in rows],
                          [("hook_left", "hook", "hook", "-"), ("hook_right", "hook", "hook", "-"),
                           ("ball", "ball", "ball", "-")])
-        self.assertIn("\nhooks.nii.gz: 3 labels, 0 errors, 0 warnings, 0 notes\n", run.stdout)
+        self.assertIn("\nhooks.nii.gz: labels 3, errors 0, warnings 0, notes 0\n", run.stdout)
 
     def test_findings_are_exit_code_1(self):
         run = self.check(self.volume, TABLE.replace("1,hook_left,hook,left", "1,hook_right,hook,right"))
@@ -65,7 +65,7 @@ class Hooks(Served):
         bad = self.write("none.nii", "no volume")
         run = self.eskel("check", self.volume, bad, "--labels", self.table)
         self.assertEqual(run.returncode, 2)
-        self.assertIn("hooks.nii.gz: 3 labels", run.stdout)
+        self.assertIn("hooks.nii.gz: labels 3", run.stdout)
         self.assertRegex(run.stderr, rf"(?m)^eskel: {bad}: \S")
 
     def test_what_is_refused_is_exit_code_2_and_nobody_there_is_3(self):
@@ -138,7 +138,7 @@ class Feet(Served):
                 found = findings(self.check(self.voxels, self.renamed({a: b, b: a})))
                 self.assertEqual(found[self.labels[a]]["swapped_labels"]["partner"], self.labels[b])
                 self.assertEqual(found[self.labels[b]]["swapped_labels"]["partner"], self.labels[a])
-                self.assertEqual({label for label, codes in found.items() if codes}, {self.labels[a], self.labels[b]})
+                self.assertEqual(sum(map(len, found.values())), 2)
 
     def test_a_wrong_name_and_a_wrong_side_are_found(self):
         found = findings(self.check(self.voxels, self.renamed({"talus_L": "cuboid_L", "calcaneus_R": "calcaneus_L"})))

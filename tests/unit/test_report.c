@@ -381,7 +381,7 @@ static void a_check_is_a_row_a_label_and_a_line_a_finding(void **state)
 		"label  name         says   side   looks like  score  side  score    z  findings\n"
 		"    1  talus_R      talus  right  talus        0.99  left   0.50  0.8  swapped_side, (holes)\n"
 		"   12  feet.nii:12  -      -      cuboid       1.00  -         -    -  -\n"
-		"\nfeet.nii: 2 labels, 1 errors, 0 warnings, 1 notes\n"
+		"\nfeet.nii: labels 2, errors 1, warnings 0, notes 1\n"
 		"feet.nii: which side is left is not recorded\n"
 		"label 1 (talus_R): error swapped_side: it is a left one\n"
 		"label 1 (talus_R): note holes: 1 cavity\n");
