@@ -2,25 +2,12 @@
  * taken to pieces; then all are judged together (finding.c). Nothing is stored. */
 #include "check.h"
 #include "exchange.h"
-#include "label_name.h"
 #include "resources.h"
+#include "vocabulary.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* What is usual in the library is told by the classes that a map names, and by as many as these, evenly spaced by name. */
-#define CLASSES_OF_LIBRARY 16
-
-/* The classes of the library. */
-typedef struct {
-	size_t count;
-	char **names;
-	char (*keys)[ESK_LABEL_KEY_SIZE]; /* "": none */
-	esk_class_statistics *statistics;
-	bool *counted; /* whether the statistics are made */
-	esk_spread distances;
-} vocabulary;
 
 bool esk_check_check(eskel_exchange *exchange)
 {
@@ -28,70 +15,6 @@ bool esk_check_check(eskel_exchange *exchange)
 	if (query->level && query->distance != ESKEL_DISTANCE_LEVEL)
 		return esk_problem_set(&exchange->problem, 400,
 			"level is %u without a use, expected distance=level beside it", query->level);
-	return true;
-}
-
-/* ---- vocabulary */
-
-static bool open_vocabulary(eskel_exchange *exchange, vocabulary *v)
-{
-	eskel_store_error error = {0};
-	eskel_store_status status = eskel_store_classes(exchange->api->store, &v->names, &v->count, &error);
-	if (!esk_problem_store(&exchange->problem, status, &error))
-		return false;
-	v->keys = calloc(v->count + 1, sizeof *v->keys);
-	v->statistics = calloc(v->count + 1, sizeof *v->statistics);
-	v->counted = calloc(v->count + 1, sizeof *v->counted);
-	if (!v->keys || !v->statistics || !v->counted)
-		return esk_problem_no_memory(&exchange->problem);
-	for (size_t i = 0; i < v->count; i++)
-		if (!esk_label_key(v->names[i], v->keys[i]))
-			v->keys[i][0] = 0;
-	return true;
-}
-
-static void close_vocabulary(vocabulary *v)
-{
-	for (size_t i = 0; v->statistics && i < v->count; i++)
-		esk_class_statistics_clear(&v->statistics[i]);
-	free(v->statistics);
-	free(v->counted);
-	free(v->keys);
-	eskel_store_classes_free(v->names, v->count);
-}
-
-/* The class of that name, or else one that differs by its vocabulary alone; SIZE_MAX without. */
-static size_t find_class(const vocabulary *v, const char *class)
-{
-	char key[ESK_LABEL_KEY_SIZE];
-	for (size_t i = 0; class && i < v->count; i++)
-		if (strcmp(v->names[i], class) == 0)
-			return i;
-	if (class && esk_label_key(class, key))
-		for (size_t i = 0; i < v->count; i++)
-			if (strcmp(v->keys[i], key) == 0)
-				return i;
-	return SIZE_MAX;
-}
-
-static bool count_class(eskel_exchange *exchange, vocabulary *v, size_t index)
-{
-	if (v->counted[index])
-		return true;
-	v->counted[index] = true;
-	if (!esk_class_statistics_make(
-		    exchange->api, &exchange->query, v->names[index], &v->statistics[index], &exchange->problem))
-		return false;
-	esk_spread_merge(&v->distances, &v->statistics[index].distances);
-	return true;
-}
-
-static bool count_library(eskel_exchange *exchange, vocabulary *v)
-{
-	size_t count = v->count < CLASSES_OF_LIBRARY ? v->count : CLASSES_OF_LIBRARY;
-	for (size_t i = 0; i < count; i++)
-		if (!count_class(exchange, v, i * v->count / count))
-			return false;
 	return true;
 }
 
@@ -155,12 +78,12 @@ static void describe(const esk_check_row *row, esk_checked_label *label)
 }
 
 /* Finds the nearest shape of the class said. */
-static bool hold_against_said(eskel_exchange *exchange, vocabulary *v, esk_check_row *row, esk_checked_label *label)
+static bool hold_against_said(eskel_exchange *exchange, esk_vocabulary *v, esk_check_row *row, esk_checked_label *label)
 {
-	const size_t class = find_class(v, label->said_class);
+	const size_t class = esk_vocabulary_find(v, label->said_class);
 	if (class == SIZE_MAX)
 		return true;
-	if (!count_class(exchange, v, class))
+	if (!esk_vocabulary_count(v, exchange, class))
 		return false;
 	const esk_class_statistics *statistics = &v->statistics[class];
 	if (statistics->count == 0)
@@ -170,23 +93,24 @@ static bool hold_against_said(eskel_exchange *exchange, vocabulary *v, esk_check
 	label->volume_count = statistics->count;
 	label->volume_mean = statistics->volumes.mean;
 	label->volume_deviation = esk_spread_deviation(&statistics->volumes);
-	return esk_class_statistics_distance(exchange->api, &exchange->query, statistics, row->specimen->signature,
-		&label->said_distance, &exchange->problem);
+	return esk_class_statistics_distance(exchange->api, &exchange->query, statistics, ESK_AMONG_ALL,
+		row->specimen->signature, &label->said_distance, &exchange->problem);
 }
 
-static bool hold_against_class(eskel_exchange *exchange, vocabulary *v, esk_check_row *row, esk_checked_label *label)
+static bool hold_against_class(
+	eskel_exchange *exchange, esk_vocabulary *v, esk_check_row *row, esk_checked_label *label)
 {
 	label->said_distance = label->z = NAN;
 	row->class_index = SIZE_MAX;
 	if (!hold_against_said(exchange, v, row, label))
 		return false;
 	if (row->class_index == SIZE_MAX)
-		row->class_index = find_class(v, label->told_class);
-	return row->class_index == SIZE_MAX || count_class(exchange, v, row->class_index);
+		row->class_index = esk_vocabulary_find(v, label->told_class);
+	return row->class_index == SIZE_MAX || esk_vocabulary_count(v, exchange, row->class_index);
 }
 
-static bool check_label(
-	eskel_exchange *exchange, const esk_choice *choice, vocabulary *v, esk_check_row *row, esk_checked_label *label)
+static bool check_label(eskel_exchange *exchange, const esk_choice *choice, esk_vocabulary *v, esk_check_row *row,
+	esk_checked_label *label)
 {
 	if (!recognize(exchange, choice, row) || !measure_pieces(exchange, row->specimen->cloud, label))
 		return false;
@@ -195,6 +119,32 @@ static bool check_label(
 }
 
 /* ---- the map */
+
+/* Numbers the classes that the labels say, and finds each label's nearest shape of each of them. */
+static bool compare_with_classes(eskel_exchange *exchange, const esk_vocabulary *v, esk_check *check)
+{
+	size_t *classes = calloc(check->count + 1, sizeof *classes), count = 0;
+	bool good = classes || esk_problem_no_memory(&exchange->problem);
+	for (size_t i = 0; good && i < check->count; i++) {
+		esk_checked_label *label = &check->labels[i];
+		label->class_number = 0;
+		while (label->class_number < count && classes[label->class_number] != check->rows[i].class_index)
+			label->class_number++;
+		if (label->class_is_known && label->class_number == count)
+			classes[count++] = check->rows[i].class_index;
+	}
+	check->distances = good ? calloc(check->count * count + 1, sizeof *check->distances) : NULL;
+	if (good && !check->distances)
+		good = esk_problem_no_memory(&exchange->problem);
+	for (size_t cell = 0; good && cell < check->count * count; cell++)
+		good = esk_class_statistics_distance(exchange->api, &exchange->query,
+			&v->statistics[classes[cell % count]], ESK_AMONG_SAMPLE,
+			check->rows[cell / count].specimen->signature, &check->distances[cell], &exchange->problem);
+	for (size_t i = 0; good && i < check->count; i++)
+		check->labels[i].class_distances = &check->distances[i * count];
+	free(classes);
+	return good;
+}
 
 static bool make_rows(eskel_exchange *exchange, const esk_specimens *specimens, esk_check *check)
 {
@@ -218,9 +168,10 @@ static void clear_rows(eskel_exchange *exchange, esk_check *check)
 	free(check->rows);
 	free(check->labels);
 	free(check->findings);
+	free(check->distances);
 }
 
-static void judge(const vocabulary *v, esk_check *check)
+static void judge(const esk_vocabulary *v, esk_check *check)
 {
 	for (size_t i = 0; i < check->count; i++) {
 		esk_checked_label *label = &check->labels[i];
@@ -232,18 +183,18 @@ static void judge(const vocabulary *v, esk_check *check)
 	esk_findings_of_map(check->labels, check->count, check->findings);
 }
 
-static bool check_map(
-	eskel_exchange *exchange, esk_specimens *specimens, const esk_choice *choice, vocabulary *v, esk_check *check)
+static bool check_map(eskel_exchange *exchange, esk_specimens *specimens, const esk_choice *choice, esk_vocabulary *v,
+	esk_check *check)
 {
 	uint32_t level = exchange->query.level;
 	uint32_t levels = level > ESKEL_LEVELS_DEFAULT ? level : ESKEL_LEVELS_DEFAULT;
-	if (!esk_specimens_analyse(specimens, NULL, levels, &exchange->problem) || !open_vocabulary(exchange, v) ||
+	if (!esk_specimens_analyse(specimens, NULL, levels, &exchange->problem) || !esk_vocabulary_open(v, exchange) ||
 		!make_rows(exchange, specimens, check))
 		return false;
 	for (size_t i = 0; i < check->count; i++)
 		if (!check_label(exchange, choice, v, &check->rows[i], &check->labels[i]))
 			return false;
-	if (!count_library(exchange, v))
+	if (!compare_with_classes(exchange, v, check) || !esk_vocabulary_count_library(v, exchange))
 		return false;
 	judge(v, check);
 	return true;
@@ -253,14 +204,14 @@ bool esk_check_volume(eskel_exchange *exchange)
 {
 	esk_specimens specimens = {0};
 	esk_choice choice = {0};
-	vocabulary v = {0};
+	esk_vocabulary v = {0};
 	esk_check check = {0};
 	bool good = esk_specimens_take_unknown(exchange, &specimens) &&
 		    esk_choice_make(exchange->api, &exchange->query, &choice, &exchange->problem) &&
 		    check_map(exchange, &specimens, &choice, &v, &check) &&
 		    esk_exchange_answer_json(exchange, 200, esk_check_json(&check, &specimens));
 	clear_rows(exchange, &check);
-	close_vocabulary(&v);
+	esk_vocabulary_close(&v);
 	esk_choice_clear(&choice);
 	esk_specimens_clear(&specimens);
 	return good;

@@ -19,6 +19,7 @@ typedef struct {
 	esk_check_row *rows;
 	esk_checked_label *labels;
 	esk_findings *findings;
+	double *distances; /* a row a label, a column a class that is said and known */
 } esk_check;
 
 /* The body of the answer (check_json.c), with the warnings of the volume. */

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_SAMPLED 32
+#define MOST_COUNTED 32
+#define MOST_SAMPLED 256
 
 /* As many neighbours of the same subject are passed over: both sides, each segmented three times. */
 #define MOST_PASSED_OVER 6
@@ -76,19 +77,9 @@ static bool know(eskel_api *api, int64_t key, const esk_known_shape **known, esk
 	return status == ESKEL_STORE_NOT_FOUND || esk_problem_store(problem, status, &error);
 }
 
-static bool search(eskel_api *api, const esk_parameters *query, const esk_class_statistics *statistics,
-	const eskel_signature *signature, int64_t left_out, size_t limit, eskel_search_result **result,
-	esk_problem *problem)
+static eskel_search_options search_options(const esk_parameters *query, const int64_t *keys, size_t count)
 {
-	const eskel_search_options options = {
-		.distance = esk_parameters_distance(query),
-		.limit = limit,
-		.keys = statistics->keys,
-		.key_count = statistics->count,
-		.leave_out = left_out != 0,
-		.left_out_key = left_out,
-	};
-	return esk_problem_engine(problem, eskel_library_search(api->library, signature, &options, result), NULL);
+	return (eskel_search_options){.distance = esk_parameters_distance(query), .keys = keys, .key_count = count};
 }
 
 static bool is_of_subject(eskel_api *api, const char *subject, int64_t key, bool *same, esk_problem *problem)
@@ -108,8 +99,12 @@ static bool add_distance(eskel_api *api, const esk_parameters *query, esk_class_
 {
 	eskel_search_result *result = NULL;
 	const char *subject = shape->shape.description.subject;
-	bool good = search(
-		api, query, statistics, shape->signature, shape->shape.key, MOST_PASSED_OVER + 1, &result, problem);
+	eskel_search_options options = search_options(query, statistics->keys, statistics->count);
+	options.limit = MOST_PASSED_OVER + 1;
+	options.leave_out = true;
+	options.left_out_key = shape->shape.key;
+	eskel_status status = eskel_library_search(api->library, shape->signature, &options, &result);
+	bool good = esk_problem_engine(problem, status, NULL);
 	size_t nearest = 0;
 	bool same = subject != NULL;
 	for (size_t i = 0; good && same && i < result->count; i++) {
@@ -135,14 +130,28 @@ static bool add_shape(eskel_api *api, const esk_parameters *query, esk_class_sta
 	return good;
 }
 
+static bool take_sample(esk_class_statistics *statistics)
+{
+	const size_t count = statistics->count, sampled = count < MOST_SAMPLED ? count : MOST_SAMPLED;
+	statistics->sample = calloc(sampled + 1, sizeof *statistics->sample);
+	if (!statistics->sample)
+		return false;
+	for (size_t i = 0; i < sampled; i++)
+		statistics->sample[i] = statistics->keys[i * count / sampled];
+	statistics->sample_count = sampled;
+	return true;
+}
+
 bool esk_class_statistics_make(eskel_api *api, const esk_parameters *query, const char *class,
 	esk_class_statistics *statistics, esk_problem *problem)
 {
 	if (!find_keys(api, query, class, statistics, problem))
 		return false;
-	const size_t count = statistics->count, sampled = count < MOST_SAMPLED ? count : MOST_SAMPLED;
-	for (size_t i = 0; i < sampled; i++)
-		if (!add_shape(api, query, statistics, statistics->keys[i * count / sampled], problem))
+	if (!take_sample(statistics))
+		return esk_problem_no_memory(problem);
+	const size_t count = statistics->count, counted = count < MOST_COUNTED ? count : MOST_COUNTED;
+	for (size_t i = 0; i < counted; i++)
+		if (!add_shape(api, query, statistics, statistics->keys[i * count / counted], problem))
 			return false;
 	return true;
 }
@@ -150,19 +159,24 @@ bool esk_class_statistics_make(eskel_api *api, const esk_parameters *query, cons
 void esk_class_statistics_clear(esk_class_statistics *statistics)
 {
 	free(statistics->keys);
+	free(statistics->sample);
 	*statistics = (esk_class_statistics){0};
 }
 
 bool esk_class_statistics_distance(eskel_api *api, const esk_parameters *query, const esk_class_statistics *statistics,
-	const eskel_signature *signature, double *distance, esk_problem *problem)
+	esk_among among, const eskel_signature *signature, double *distance, esk_problem *problem)
 {
 	eskel_search_result *result = NULL;
+	eskel_search_options options = among == ESK_AMONG_ALL
+					       ? search_options(query, statistics->keys, statistics->count)
+					       : search_options(query, statistics->sample, statistics->sample_count);
+	options.limit = 1;
 	*distance = NAN;
-	if (statistics->count == 0)
+	if (options.key_count == 0)
 		return true;
-	bool good = search(api, query, statistics, signature, 0, 1, &result, problem);
-	if (good && result->count > 0)
+	eskel_status status = eskel_library_search(api->library, signature, &options, &result);
+	if (status == ESKEL_OK && result->count > 0)
 		*distance = result->neighbours[0].distance;
 	eskel_search_result_free(result);
-	return good;
+	return esk_problem_engine(problem, status, NULL);
 }

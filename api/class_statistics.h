@@ -24,6 +24,8 @@ double esk_spread_deviation(const esk_spread *spread);
 typedef struct {
 	int64_t *keys; /* of the class, ascending, those that the query's filter leaves */
 	size_t count;
+	int64_t *sample; /* at most 256 of them, evenly spaced */
+	size_t sample_count;
 	esk_spread
 		distances; /* ln of the distance from a shape to the nearest one of another subject, where there is one */
 	esk_spread volumes; /* ln mm^3 */
@@ -36,9 +38,11 @@ bool esk_class_statistics_make(eskel_api *api, const esk_parameters *query, cons
 	esk_class_statistics *statistics, esk_problem *problem);
 void esk_class_statistics_clear(esk_class_statistics *statistics);
 
-/* The distance of an unknown from the nearest shape of the class; NaN when there is none. */
+/* The distance of an unknown from the nearest shape of the class, or of its sample; NaN when there is none. */
+typedef enum { ESK_AMONG_ALL, ESK_AMONG_SAMPLE } esk_among;
+
 bool esk_class_statistics_distance(eskel_api *api, const esk_parameters *query, const esk_class_statistics *statistics,
-	const eskel_signature *signature, double *distance, esk_problem *problem);
+	esk_among among, const eskel_signature *signature, double *distance, esk_problem *problem);
 
 /* How many deviations ln distance lies above the mean of its class. A class of a few shapes hardly has a deviation of its
  * own, so its numbers are joined by three that are spread as those of the whole library are: with n numbers of mean m and

@@ -23,6 +23,12 @@
  * cuneiforms differ less among themselves than between people. */
 #define NOTABLE_MARGIN 1.15
 
+/* Of ln distance, the two shapes of an exchange together. Of the 1,431 pairs of left regions of the AAL atlas, named rightly
+ * beside the right ones, none reaches it; exchanged, 91 of 100 do, and all pairs of unlike bones of two people's feet. */
+#define NOTABLE_GAIN 0.4
+/* Copies are at distance 0. */
+#define LEAST_PRODUCT 1e-12
+
 /* Deviations from the mean of its class. Ln distance is skewed to the far side; volumes of adults are not. */
 #define USUAL_Z 1.5
 #define IMPLAUSIBLE_Z 4
@@ -58,19 +64,6 @@ static esk_finding *add(esk_findings *findings, esk_finding_code code, esk_sever
 	return finding;
 }
 
-/* "talus, left" */
-typedef struct {
-	char text[ESK_TEXT_MOST + 16];
-} meaning;
-
-static meaning meaning_of(const char *class, eskel_side side)
-{
-	meaning made;
-	const char *side_text = esk_value_side_text(side);
-	snprintf(made.text, sizeof made.text, "%s%s%s", class, side_text ? ", " : "", side_text ? side_text : "");
-	return made;
-}
-
 /* ---- class and side */
 
 static bool differs_in_class(const esk_checked_label *label)
@@ -100,49 +93,69 @@ static bool contradicts_side(const esk_checked_label *label)
 	       label->side_score >= DOUBTFUL_SIDE_SCORE;
 }
 
-static bool is_contradicted(const esk_checked_label *label)
+/* How much nearer, in ln distance, two shapes are to each other's class than to their own. */
+static double gain_of_exchange(const esk_checked_label *a, const esk_checked_label *b)
 {
-	return contradicts_class(label) || contradicts_side(label);
+	if (!a->class_distances || !b->class_distances || !a->class_is_known || !b->class_is_known ||
+		a->class_number == b->class_number)
+		return -INFINITY;
+	const double own = a->class_distances[a->class_number] * b->class_distances[b->class_number];
+	const double other = a->class_distances[b->class_number] * b->class_distances[a->class_number];
+	if (isnan(own) || isnan(other))
+		return -INFINITY;
+	return log(fmax(own, LEAST_PRODUCT)) - log(fmax(other, LEAST_PRODUCT));
 }
 
-/* Sides that are both known must be equal; in one class they must be known. */
-static bool looks_like(const esk_checked_label *shape, const esk_checked_label *name, bool strictly)
+/* The label with which an exchange gains most, enough to be believed; NULL without. */
+static const esk_checked_label *best_exchange(
+	const esk_checked_label *labels, size_t count, const esk_checked_label *label)
 {
-	if (!shape->told_class || !name->said_class || !esk_label_same_class(shape->told_class, name->said_class))
-		return false;
-	if (is_sided(shape->told_side) && is_sided(name->said_side))
-		return shape->told_side == name->said_side;
-	return !strictly;
+	const esk_checked_label *best = NULL;
+	double most = NOTABLE_GAIN;
+	for (size_t i = 0; i < count; i++) {
+		double gain = gain_of_exchange(label, &labels[i]);
+		if (gain > most) {
+			most = gain;
+			best = &labels[i];
+		}
+	}
+	return best;
 }
 
-/* Each looks as the other's name says and not as its own; that much is sure of one of them. */
-static bool are_exchanged(const esk_checked_label *a, const esk_checked_label *b, bool strictly)
+/* Of one class, and each of the other's side. */
+static bool have_exchanged_sides(const esk_checked_label *a, const esk_checked_label *b)
 {
-	if (!looks_like(a, b, strictly) || !looks_like(b, a, strictly) || looks_like(a, a, false) ||
-		looks_like(b, b, false))
-		return false;
-	const bool same_class = !differs_in_class(a) && !differs_in_class(b);
-	return (strictly || !same_class) && (is_contradicted(a) || is_contradicted(b));
+	return contradicts_side(a) && contradicts_side(b) && esk_label_same_class(a->said_class, b->said_class) &&
+	       a->said_side == b->told_side && b->said_side == a->told_side;
 }
 
-/* One whose side fits as well is preferred to one whose side cannot be told. */
 static const esk_checked_label *partner_of(
 	const esk_checked_label *labels, size_t count, const esk_checked_label *label)
 {
-	for (int strictly = 1; strictly >= 0; strictly--)
-		for (size_t i = 0; i < count; i++)
-			if (are_exchanged(label, &labels[i], strictly))
-				return &labels[i];
+	const esk_checked_label *best = best_exchange(labels, count, label);
+	if (best && best_exchange(labels, count, best) == label)
+		return best;
+	for (size_t i = 0; contradicts_side(label) && i < count; i++)
+		if (have_exchanged_sides(label, &labels[i]))
+			return &labels[i];
 	return NULL;
 }
 
 static void find_exchange(const esk_checked_label *label, const esk_checked_label *partner, esk_findings *findings)
 {
-	meaning told = meaning_of(label->told_class, label->told_side);
-	meaning partner_told = meaning_of(partner->told_class, partner->told_side);
-	esk_finding *finding = add(findings, ESK_FINDING_SWAPPED_LABELS, ESK_SEVERITY_ERROR,
-		"the shape says %s, the name of label %" PRId32 ", whose shape says %s: the two names are exchanged",
-		told.text, partner->label, partner_told.text);
+	esk_finding *finding;
+	if (have_exchanged_sides(label, partner))
+		finding = add(findings, ESK_FINDING_SWAPPED_LABELS, ESK_SEVERITY_ERROR,
+			"the shape says %s, that of label %" PRId32 " says %s: the two names are exchanged",
+			esk_value_side_text(label->told_side), partner->label, esk_value_side_text(partner->told_side));
+	else
+		finding = add(findings, ESK_FINDING_SWAPPED_LABELS, ESK_SEVERITY_ERROR,
+			"%s and %s (label %" PRId32
+			") are exchanged: the two shapes are at distances %.3f and %.3f from "
+			"what each other's label says, at %.3f and %.3f from what their own says",
+			label->said_class, partner->said_class, partner->label,
+			label->class_distances[partner->class_number], partner->class_distances[label->class_number],
+			label->class_distances[label->class_number], partner->class_distances[partner->class_number]);
 	finding->partner = partner->label;
 }
 

@@ -8,17 +8,17 @@
 
 #include "eskel_store.h"
 
-#define ESK_FINDINGS(X)                                  \
-	X(ESK_FINDING_WRONG_CLASS, "wrong_class")        \
-	X(ESK_FINDING_SWAPPED_SIDE, "swapped_side")      \
-	X(ESK_FINDING_SWAPPED_LABELS, "swapped_labels")  \
-	X(ESK_FINDING_UNRECOGNIZED, "unrecognized")      \
-	X(ESK_FINDING_MERGED, "merged")                  \
-	X(ESK_FINDING_FRAGMENTED, "fragmented")          \
+#define ESK_FINDINGS(X) \
+	X(ESK_FINDING_WRONG_CLASS, "wrong_class") \
+	X(ESK_FINDING_SWAPPED_SIDE, "swapped_side") \
+	X(ESK_FINDING_SWAPPED_LABELS, "swapped_labels") \
+	X(ESK_FINDING_UNRECOGNIZED, "unrecognized") \
+	X(ESK_FINDING_MERGED, "merged") \
+	X(ESK_FINDING_FRAGMENTED, "fragmented") \
 	X(ESK_FINDING_IMPLAUSIBLE_VOLUME, "implausible_volume") \
-	X(ESK_FINDING_TOUCHES_BORDER, "touches_border")  \
-	X(ESK_FINDING_HOLES, "holes")                    \
-	X(ESK_FINDING_FEW_VOXELS, "few_voxels")          \
+	X(ESK_FINDING_TOUCHES_BORDER, "touches_border") \
+	X(ESK_FINDING_HOLES, "holes") \
+	X(ESK_FINDING_FEW_VOXELS, "few_voxels") \
 	X(ESK_FINDING_UNKNOWN_CLASS, "unknown_class")
 
 #define ESK_FINDING_CODE(code, name) code,
@@ -49,7 +49,10 @@ typedef struct {
 	eskel_side said_side;
 	bool class_is_known;  /* the library has shapes of the class said */
 	double said_distance; /* to the nearest of them */
-	double z;             /* of that distance in its class; of told_distance in the class told where said_distance is NaN */
+	const double
+		*class_distances; /* to the nearest of each class that the labels say and the library has; or NULL */
+	size_t class_number;      /* of the class said among these; means nothing where it is not known */
+	double z; /* of that distance in its class; of told_distance in the class told where said_distance is NaN */
 
 	/* what the shape says */
 	const char *told_class; /* NULL: nothing */

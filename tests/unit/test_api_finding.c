@@ -109,7 +109,7 @@ static void a_contradicted_name_is_as_severe_as_its_score_is_high(void **state)
 	assert_string_equal(found_alone(class), "");
 }
 
-static void labels_that_look_like_each_other_are_partners(void **state)
+static void labels_of_exchanged_sides_are_partners(void **state)
 {
 	(void)state;
 	const esk_checked_label sides[] = {good(4, "talus", L), told(good(7, "tibia", L), "tibia", R),
@@ -117,27 +117,50 @@ static void labels_that_look_like_each_other_are_partners(void **state)
 	assert_string_equal(found(sides, 4, 0), "");
 	assert_string_equal(found(sides, 4, 1), "swapped_labels error 9");
 	assert_string_equal(found(sides, 4, 2), "swapped_labels error 7");
-	/* of two that look like it, the one whose side fits */
-	const esk_checked_label classes[] = {told(good(1, "talus", L), "cuboid", R),
-		told(good(2, "cuboid", L), "talus", UNKNOWN), told(good(3, "cuboid", R), "talus", L)};
-	assert_string_equal(found(classes, 3, 0), "swapped_labels error 3");
-	assert_string_equal(found(classes, 3, 2), "swapped_labels error 1");
-	/* one that is sure is enough */
-	esk_checked_label doubtful[] = {told(good(1, "talus", L), "cuboid", L), told(good(2, "cuboid", L), "talus", L)};
-	doubtful[1].class_score = 0.3;
-	assert_string_equal(found(doubtful, 2, 0), "swapped_labels error 2");
-	assert_string_equal(found(doubtful, 2, 1), "swapped_labels error 1");
-	doubtful[0].class_score = 0.3;
-	assert_string_equal(found(doubtful, 2, 0), "");
 	/* where a side cannot be told, two of one class are not exchanged */
 	const esk_checked_label undecided[] = {
 		told(good(1, "patella", L), "patella", UNKNOWN), told(good(2, "patella", R), "patella", L)};
 	assert_string_equal(found(undecided, 2, 0), "");
 	assert_string_equal(found(undecided, 2, 1), "swapped_side error");
-	/* three in a circle have no partner */
-	const esk_checked_label circle[] = {
-		told(good(1, "a", L), "b", L), told(good(2, "b", L), "c", L), told(good(3, "c", L), "a", L)};
-	assert_string_equal(found(circle, 3, 1), "wrong_class error");
+}
+
+/* Row i: the distances of shape i from the classes a, b and c, which labels 1, 2 and 3 say. */
+static void assert_partners(const double distances[3][3], const int32_t partners[3])
+{
+	static const char *const classes[] = {"a", "b", "c"};
+	esk_checked_label labels[3];
+	static esk_findings findings[3];
+	for (size_t i = 0; i < 3; i++) {
+		labels[i] = good((int32_t)i + 1, classes[i], L);
+		labels[i].class_number = i;
+		labels[i].class_distances = distances[i];
+		labels[i].z = 9; /* is not held against an exchanged label */
+	}
+	esk_findings_of_map(labels, 3, findings);
+	for (size_t i = 0; i < 3; i++) {
+		assert_int_equal(findings[i].count, 1);
+		assert_int_equal(findings[i].items[0].partner, partners[i]);
+		assert_int_equal(
+			findings[i].items[0].code, partners[i] ? ESK_FINDING_SWAPPED_LABELS : ESK_FINDING_UNRECOGNIZED);
+	}
+}
+
+static void labels_that_are_nearer_to_each_others_class_are_partners(void **state)
+{
+	(void)state;
+	assert_partners((const double[3][3]){{.2, .6, .5}, {.7, .2, .9}, {.6, .6, .2}}, (const int32_t[3]){0, 0, 0});
+	assert_partners((const double[3][3]){{.6, .2, .5}, {.2, .7, .9}, {.6, .6, .2}}, (const int32_t[3]){2, 1, 0});
+	/* one that is sure is enough */
+	assert_partners((const double[3][3]){{.6, .2, .5}, {.5, .5, .9}, {.6, .6, .2}}, (const int32_t[3]){2, 1, 0});
+	/* a gain of ln 1.4 = 0.34 is not */
+	assert_partners((const double[3][3]){{.28, .2, .5}, {.5, .5, .9}, {.6, .6, .2}}, (const int32_t[3]){0, 0, 0});
+	/* three in a circle: two of them gain most */
+	assert_partners((const double[3][3]){{.6, .2, .6}, {.6, .6, .2}, {.2, .5, .6}}, (const int32_t[3]){0, 3, 2});
+	/* copies */
+	assert_partners((const double[3][3]){{.6, 0, .5}, {0, .7, .9}, {.6, .6, 0}}, (const int32_t[3]){2, 1, 0});
+	assert_partners((const double[3][3]){{0, .6, .5}, {.7, 0, .9}, {.6, .6, 0}}, (const int32_t[3]){0, 0, 0});
+	assert_partners((const double[3][3]){{NAN, .6, .5}, {.7, NAN, .9}, {.6, .6, NAN}}, (const int32_t[3]){0, 0, 0});
+	assert_partners((const double[3][3]){{.2, NAN, .5}, {NAN, .2, .9}, {.6, .6, .2}}, (const int32_t[3]){0, 0, 0});
 }
 
 static void a_name_that_the_library_has_not_is_noted(void **state)
@@ -303,7 +326,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_is_found_where_nothing_is_wrong),
 		cmocka_unit_test(a_contradicted_name_is_as_severe_as_its_score_is_high),
-		cmocka_unit_test(labels_that_look_like_each_other_are_partners),
+		cmocka_unit_test(labels_of_exchanged_sides_are_partners),
+		cmocka_unit_test(labels_that_are_nearer_to_each_others_class_are_partners),
 		cmocka_unit_test(a_name_that_the_library_has_not_is_noted),
 		cmocka_unit_test(a_shape_far_from_its_class_is_unrecognized),
 		cmocka_unit_test(volumes_are_held_against_their_class),
