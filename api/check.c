@@ -77,6 +77,25 @@ static void describe(const esk_check_row *row, esk_checked_label *label)
 	label->border = row->specimen->border;
 }
 
+/* What the class said says of the side: the verdict, or that of another recognition among this class alone. */
+static bool ask_class_for_side(eskel_exchange *exchange, const esk_class_statistics *statistics,
+	const esk_check_row *row, esk_checked_label *label)
+{
+	const esk_unknown unknown = {&row->specimen->shape, row->placement, row->specimen->signature};
+	const esk_choice choice = {statistics->keys, statistics->count};
+	esk_recognition recognition = {0};
+	label->side_in_class = label->told_side;
+	label->side_in_class_score = label->side_score;
+	if (label->told_class && esk_label_same_class(label->said_class, label->told_class))
+		return true;
+	bool good = esk_recognition_make(
+		exchange->api, &unknown, &choice, &exchange->query, &recognition, &exchange->problem);
+	label->side_in_class = recognition.verdict.side;
+	label->side_in_class_score = recognition.verdict.side_score;
+	esk_recognition_clear(exchange->api, &recognition);
+	return good;
+}
+
 /* Finds the nearest shape of the class said. */
 static bool hold_against_said(eskel_exchange *exchange, esk_vocabulary *v, esk_check_row *row, esk_checked_label *label)
 {
@@ -93,8 +112,9 @@ static bool hold_against_said(eskel_exchange *exchange, esk_vocabulary *v, esk_c
 	label->volume_count = statistics->count;
 	label->volume_mean = statistics->volumes.mean;
 	label->volume_deviation = esk_spread_deviation(&statistics->volumes);
-	return esk_class_statistics_distance(exchange->api, &exchange->query, statistics, ESK_AMONG_ALL,
-		row->specimen->signature, &label->said_distance, &exchange->problem);
+	return ask_class_for_side(exchange, statistics, row, label) &&
+	       esk_class_statistics_distance(exchange->api, &exchange->query, statistics, ESK_AMONG_ALL,
+		       row->specimen->signature, &label->said_distance, &exchange->problem);
 }
 
 static bool hold_against_class(

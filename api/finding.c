@@ -86,11 +86,12 @@ static bool is_sided(eskel_side side)
 	return side == ESKEL_SIDE_LEFT || side == ESKEL_SIDE_RIGHT;
 }
 
+/* Told by the class said: the shape may be nearer to another, but not so much that the name is wrong. */
 static bool contradicts_side(const esk_checked_label *label)
 {
-	return label->said_class && label->told_class && !differs_in_class(label) && is_sided(label->said_side) &&
-	       is_sided(label->told_side) && label->said_side != label->told_side &&
-	       label->side_score >= DOUBTFUL_SIDE_SCORE;
+	return label->class_is_known && is_sided(label->said_side) && is_sided(label->side_in_class) &&
+	       label->said_side != label->side_in_class && label->side_in_class_score >= DOUBTFUL_SIDE_SCORE &&
+	       !contradicts_class(label);
 }
 
 /* How much nearer, in ln distance, two shapes are to each other's class than to their own. */
@@ -126,7 +127,7 @@ static const esk_checked_label *best_exchange(
 static bool have_exchanged_sides(const esk_checked_label *a, const esk_checked_label *b)
 {
 	return contradicts_side(a) && contradicts_side(b) && esk_label_same_class(a->said_class, b->said_class) &&
-	       a->said_side == b->told_side && b->said_side == a->told_side;
+	       a->said_side != b->said_side;
 }
 
 static const esk_checked_label *partner_of(
@@ -183,9 +184,9 @@ static void find_wrong_class(const esk_checked_label *label, esk_findings *findi
 
 static void find_wrong_side(const esk_checked_label *label, esk_findings *findings)
 {
-	add(findings, ESK_FINDING_SWAPPED_SIDE, severity_of(label, label->side_score >= CERTAIN_SIDE_SCORE),
+	add(findings, ESK_FINDING_SWAPPED_SIDE, severity_of(label, label->side_in_class_score >= CERTAIN_SIDE_SCORE),
 		"the label says %s, the shape says %s (score %.2f)", esk_value_side_text(label->said_side),
-		esk_value_side_text(label->told_side), label->side_score);
+		esk_value_side_text(label->side_in_class), label->side_in_class_score);
 }
 
 static void find_wrong_name(const esk_checked_label *label, esk_findings *findings)

@@ -47,7 +47,9 @@ typedef struct {
 	/* what the label says */
 	const char *said_class; /* NULL: nothing */
 	eskel_side said_side;
-	bool class_is_known;  /* the library has shapes of the class said */
+	bool class_is_known;      /* the library has shapes of the class said */
+	eskel_side side_in_class; /* what the nearest of them say of the side */
+	double side_in_class_score;
 	double said_distance; /* to the nearest of them */
 	const double
 		*class_distances; /* to the nearest of each class that the labels say and the library has; or NULL */

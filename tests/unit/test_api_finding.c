@@ -25,6 +25,8 @@ static esk_checked_label good(int32_t label, const char *class, eskel_side side)
 		.z = 0.3,
 		.told_class = class,
 		.told_side = side,
+		.side_in_class = side,
+		.side_in_class_score = 0.9,
 		.class_score = 0.95,
 		.side_score = 0.9,
 		.told_distance = 0.2,
@@ -42,7 +44,7 @@ static esk_checked_label good(int32_t label, const char *class, eskel_side side)
 static esk_checked_label told(esk_checked_label label, const char *class, eskel_side side)
 {
 	label.told_class = class;
-	label.told_side = side;
+	label.told_side = label.side_in_class = side;
 	if (strcmp(label.said_class, class) != 0)
 		label.said_distance = 0.8;
 	return label;
@@ -97,16 +99,18 @@ static void a_contradicted_name_is_as_severe_as_its_score_is_high(void **state)
 	assert_string_equal(found_alone(side), "swapped_side warning; touches_border warning");
 	class.border = side.border = 0;
 	class.class_score = 0.7;
-	side.side_score = 0.3;
+	side.side_in_class_score = 0.3;
 	assert_string_equal(found_alone(class), "wrong_class warning");
 	assert_string_equal(found_alone(side), "swapped_side warning");
 	class.class_score = 0.4;
-	side.side_score = 0.1;
+	side.side_in_class_score = 0.1;
 	assert_string_equal(found_alone(class), "");
 	assert_string_equal(found_alone(side), "");
 	class = told(good(1, "metatarsal2", L), "metatarsal3", L);
 	class.said_distance = 1.1 * class.told_distance;
 	assert_string_equal(found_alone(class), "");
+	class.side_in_class = R; /* a metatarsal 2 by its name, and then a right one */
+	assert_string_equal(found_alone(class), "swapped_side error");
 }
 
 static void labels_of_exchanged_sides_are_partners(void **state)
