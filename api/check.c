@@ -109,7 +109,7 @@ static bool hold_against_said(eskel_exchange *exchange, esk_vocabulary *v, esk_c
 		return true;
 	row->class_index = class;
 	label->class_is_known = true;
-	label->volume_count = statistics->count;
+	label->volume_count = statistics->volumes.count;
 	label->volume_mean = statistics->volumes.mean;
 	label->volume_deviation = esk_spread_deviation(&statistics->volumes);
 	return ask_class_for_side(exchange, statistics, row, label) &&
@@ -140,22 +140,29 @@ static bool check_label(eskel_exchange *exchange, const esk_choice *choice, esk_
 
 /* ---- the map */
 
-/* Numbers the classes that the labels say, and finds each label's nearest shape of each of them. */
+/* Numbers the library's classes that the labels say; classes has room for all labels. How many there are. */
+static size_t number_classes(const esk_check *check, size_t *classes)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < check->count; i++) {
+		esk_checked_label *label = &check->labels[i];
+		if (!label->class_is_known)
+			continue;
+		classes[count] = check->rows[i].class_index; /* stops the search */
+		while (classes[label->class_number] != check->rows[i].class_index)
+			label->class_number++;
+		count += label->class_number == count;
+	}
+	return count;
+}
+
+/* Finds each label's nearest shape of each class that the labels say. */
 static bool compare_with_classes(eskel_exchange *exchange, const esk_vocabulary *v, esk_check *check)
 {
-	size_t *classes = calloc(check->count + 1, sizeof *classes), count = 0;
-	bool good = classes || esk_problem_no_memory(&exchange->problem);
-	for (size_t i = 0; good && i < check->count; i++) {
-		esk_checked_label *label = &check->labels[i];
-		label->class_number = 0;
-		while (label->class_number < count && classes[label->class_number] != check->rows[i].class_index)
-			label->class_number++;
-		if (label->class_is_known && label->class_number == count)
-			classes[count++] = check->rows[i].class_index;
-	}
-	check->distances = good ? calloc(check->count * count + 1, sizeof *check->distances) : NULL;
-	if (good && !check->distances)
-		good = esk_problem_no_memory(&exchange->problem);
+	size_t *classes = calloc(check->count + 1, sizeof *classes);
+	size_t count = classes ? number_classes(check, classes) : 0;
+	check->distances = calloc(check->count * count + 1, sizeof *check->distances);
+	bool good = (classes && check->distances) || esk_problem_no_memory(&exchange->problem);
 	for (size_t cell = 0; good && cell < check->count * count; cell++)
 		good = esk_class_statistics_distance(exchange->api, &exchange->query,
 			&v->statistics[classes[cell % count]], ESK_AMONG_SAMPLE,
