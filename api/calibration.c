@@ -242,6 +242,18 @@ bool esk_calibration_score(esk_calibration *calibration, const eskel_distance_op
 	return good;
 }
 
+bool esk_calibration_z(esk_calibration *calibration, const eskel_distance_options *distance, const char *class,
+	double value, double *z, esk_problem *problem)
+{
+	pthread_mutex_lock(&calibration->lock);
+	course *c = course_of(calibration, distance);
+	bool good = follow(calibration, c, problem);
+	if (good)
+		*z = esk_fit_z(&c->fit, class, value);
+	pthread_mutex_unlock(&calibration->lock);
+	return good;
+}
+
 /* ---- the report */
 
 static void count_score(double score, bool right, esk_reliability *reliability)

@@ -27,6 +27,10 @@ void esk_calibration_note(esk_calibration *calibration, int64_t key);
 bool esk_calibration_score(esk_calibration *calibration, const eskel_distance_options *distance,
 	const esk_evidence *evidence, esk_scores *scores, esk_problem *problem);
 
+/* How far a distance is for a class, as distance_z of a verdict; NaN where that is not known. */
+bool esk_calibration_z(esk_calibration *calibration, const eskel_distance_options *distance, const char *class,
+	double value, double *z, esk_problem *problem);
+
 /* ---- what GET /calibration shows */
 
 enum { ESK_BINS = 10 };

@@ -1,6 +1,8 @@
 /* POST /check: each label of a volume is recognised, held against the statistics of the class that it is said to be of, and
  * taken to pieces; then all are judged together (finding.c). Nothing is stored. */
 #include "check.h"
+
+#include "calibration.h"
 #include "exchange.h"
 #include "resources.h"
 #include "vocabulary.h"
@@ -42,16 +44,16 @@ static bool recognize(eskel_exchange *exchange, const esk_choice *choice, esk_ch
 {
 	const esk_specimen *specimen = row->specimen;
 	eskel_status status = eskel_placement_new(specimen->skeleton, &row->placement);
-	const esk_unknown unknown = {&specimen->shape, row->placement, specimen->signature};
+	const esk_unknown unknown = {&specimen->shape, row->placement, specimen->signature, NULL};
 	return esk_problem_engine(&exchange->problem, status, NULL) &&
 	       esk_recognition_make(
 		       exchange->api, &unknown, choice, &exchange->query, &row->recognition, &exchange->problem);
 }
 
-/* The distance of the nearest neighbour that is of the verdict's class. */
+/* The distance of the nearest neighbour that has a class. */
 static double told_distance(const esk_recognition *recognition)
 {
-	const char *class = recognition->verdict.class;
+	const char *class = recognition->verdict.nearest_class;
 	for (size_t i = 0; class && i < recognition->count; i++) {
 		const char *other = recognition->neighbours[i].known->shape.description.class;
 		if (other && strcmp(other, class) == 0)
@@ -67,7 +69,8 @@ static void describe(const esk_check_row *row, esk_checked_label *label)
 	label->label = shape->label;
 	label->said_class = shape->description.class;
 	label->said_side = shape->description.side;
-	label->told_class = verdict->class;
+	label->told_class = verdict->nearest_class;
+	label->is_unknown = !verdict->class;
 	label->told_side = verdict->side;
 	label->class_score = verdict->class_score;
 	label->side_score = verdict->side_score;
@@ -81,8 +84,8 @@ static void describe(const esk_check_row *row, esk_checked_label *label)
 static bool ask_class_for_side(eskel_exchange *exchange, const esk_class_statistics *statistics,
 	const esk_check_row *row, esk_checked_label *label)
 {
-	const esk_unknown unknown = {&row->specimen->shape, row->placement, row->specimen->signature};
-	const esk_choice choice = {statistics->keys, statistics->count};
+	const esk_unknown unknown = {&row->specimen->shape, row->placement, row->specimen->signature, NULL};
+	const esk_choice choice = {statistics->all.blocks, statistics->all.block_count};
 	esk_recognition recognition = {0};
 	label->side_in_class = label->told_side;
 	label->side_in_class_score = label->side_score;
@@ -105,7 +108,7 @@ static bool hold_against_said(eskel_exchange *exchange, esk_vocabulary *v, esk_c
 	if (!esk_vocabulary_count(v, exchange, class))
 		return false;
 	const esk_class_statistics *statistics = &v->statistics[class];
-	if (statistics->count == 0)
+	if (statistics->all.block_count == 0)
 		return true;
 	row->class_index = class;
 	label->class_is_known = true;
@@ -113,20 +116,24 @@ static bool hold_against_said(eskel_exchange *exchange, esk_vocabulary *v, esk_c
 	label->volume_mean = statistics->volumes.mean;
 	label->volume_deviation = esk_spread_deviation(&statistics->volumes);
 	return ask_class_for_side(exchange, statistics, row, label) &&
-	       esk_class_statistics_distance(exchange->api, &exchange->query, statistics, ESK_AMONG_ALL,
+	       esk_class_statistics_distance(exchange->api, &exchange->query, &statistics->all,
 		       row->specimen->signature, &label->said_distance, &exchange->problem);
 }
 
+/* z is that of the class said where the library has it, or else of the class told. */
 static bool hold_against_class(
 	eskel_exchange *exchange, esk_vocabulary *v, esk_check_row *row, esk_checked_label *label)
 {
-	label->said_distance = label->z = NAN;
+	label->said_distance = NAN;
 	row->class_index = SIZE_MAX;
+	label->z = row->recognition.verdict.distance_z;
 	if (!hold_against_said(exchange, v, row, label))
 		return false;
-	if (row->class_index == SIZE_MAX)
-		row->class_index = esk_vocabulary_find(v, label->told_class);
-	return row->class_index == SIZE_MAX || esk_vocabulary_count(v, exchange, row->class_index);
+	if (!label->class_is_known)
+		return true;
+	const eskel_distance_options distance = esk_parameters_distance(&exchange->query);
+	return esk_calibration_z(exchange->api->calibration, &distance, v->names[row->class_index],
+		label->said_distance, &label->z, &exchange->problem);
 }
 
 static bool check_label(eskel_exchange *exchange, const esk_choice *choice, esk_vocabulary *v, esk_check_row *row,
@@ -165,8 +172,8 @@ static bool compare_with_classes(eskel_exchange *exchange, const esk_vocabulary 
 	bool good = (classes && check->distances) || esk_problem_no_memory(&exchange->problem);
 	for (size_t cell = 0; good && cell < check->count * count; cell++)
 		good = esk_class_statistics_distance(exchange->api, &exchange->query,
-			&v->statistics[classes[cell % count]], ESK_AMONG_SAMPLE,
-			check->rows[cell / count].specimen->signature, &check->distances[cell], &exchange->problem);
+			&v->statistics[classes[cell % count]].sample, check->rows[cell / count].specimen->signature,
+			&check->distances[cell], &exchange->problem);
 	for (size_t i = 0; good && i < check->count; i++)
 		check->labels[i].class_distances = &check->distances[i * count];
 	free(classes);
@@ -198,18 +205,6 @@ static void clear_rows(eskel_exchange *exchange, esk_check *check)
 	free(check->distances);
 }
 
-static void judge(const esk_vocabulary *v, esk_check *check)
-{
-	for (size_t i = 0; i < check->count; i++) {
-		esk_checked_label *label = &check->labels[i];
-		size_t class = check->rows[i].class_index;
-		if (class != SIZE_MAX)
-			label->z = esk_class_statistics_z(&v->statistics[class].distances, &v->distances,
-				label->class_is_known ? label->said_distance : label->told_distance);
-	}
-	esk_findings_of_map(check->labels, check->count, check->findings);
-}
-
 static bool check_map(eskel_exchange *exchange, esk_specimens *specimens, const esk_choice *choice, esk_vocabulary *v,
 	esk_check *check)
 {
@@ -221,9 +216,9 @@ static bool check_map(eskel_exchange *exchange, esk_specimens *specimens, const 
 	for (size_t i = 0; i < check->count; i++)
 		if (!check_label(exchange, choice, v, &check->rows[i], &check->labels[i]))
 			return false;
-	if (!compare_with_classes(exchange, v, check) || !esk_vocabulary_count_library(v, exchange))
+	if (!compare_with_classes(exchange, v, check))
 		return false;
-	judge(v, check);
+	esk_findings_of_map(check->labels, check->count, check->findings);
 	return true;
 }
 

@@ -11,7 +11,7 @@ typedef struct {
 	const esk_specimen *specimen;
 	eskel_placement *placement;
 	esk_recognition recognition;
-	size_t class_index; /* of the library's class that is said, or else of that told; SIZE_MAX: none */
+	size_t class_index; /* of the library's class that is said; SIZE_MAX: it has none */
 } esk_check_row;
 
 typedef struct {

@@ -36,9 +36,10 @@ static json_t *nearest_json(const esk_recognition *recognition)
 static json_t *verdict_json(const esk_check_row *row)
 {
 	const esk_verdict *verdict = &row->recognition.verdict;
-	return json_pack("{s:s?, s:o, s:s?, s:o, s:o}", "class", verdict->class, "class_score",
-		esk_json_real(verdict->class_score), "side", esk_value_side_text(verdict->side), "side_score",
-		esk_json_real(verdict->side_score), "nearest", nearest_json(&row->recognition));
+	return json_pack("{s:s?, s:o, s:s?, s:s?, s:o, s:o}", "class", verdict->class, "class_score",
+		esk_json_real(verdict->class_score), "nearest_class", verdict->nearest_class, "side",
+		esk_value_side_text(verdict->side), "side_score", esk_json_real(verdict->side_score), "nearest",
+		nearest_json(&row->recognition));
 }
 
 /* 0 deviations, not -0.000003, with as many digits as mean something. */
@@ -54,10 +55,11 @@ static json_t *label_json(const esk_check_row *row, const esk_checked_label *lab
 		"class", said->class, "side", esk_value_side_text(said->side), "voxels", (json_int_t)label->voxels,
 		"volume_mm3", esk_json_real(label->volume));
 	json_t *measured = json_pack("{s:o, s:o, s:o, s:o, s:{s:I, s:I}, s:{s:I, s:I}, s:o}", "verdict",
-		verdict_json(row), "distance", esk_json_real(label->said_distance), "z", z_json(label->z), "volume_z",
-		z_json(esk_finding_volume_z(label)), "components", "count", (json_int_t)label->component_count,
-		"largest_voxels", (json_int_t)label->largest, "cavities", "count", (json_int_t)label->cavity_count,
-		"voxels", (json_int_t)label->cavity_voxels, "findings", findings_json(findings));
+		verdict_json(row), "distance", esk_json_real(label->said_distance), "distance_z", z_json(label->z),
+		"volume_z", z_json(esk_finding_volume_z(label)), "components", "count",
+		(json_int_t)label->component_count, "largest_voxels", (json_int_t)label->largest, "cavities", "count",
+		(json_int_t)label->cavity_count, "voxels", (json_int_t)label->cavity_voxels, "findings",
+		findings_json(findings));
 	if (json_object_update(made, measured) != 0) {
 		json_decref(made);
 		made = NULL;

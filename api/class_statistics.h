@@ -1,7 +1,4 @@
-/* How near the shapes of one class of the library are to each other, and how large they are: what a distance and a volume
- * are held against.
- *
- * Distances and volumes are compared by their logarithms, whose spreads are alike in classes of any size. */
+/* The shapes of one class of the library: how large they are, and how near the nearest of them is. */
 #ifndef ESK_CLASS_STATISTICS_H
 #define ESK_CLASS_STATISTICS_H
 
@@ -16,41 +13,27 @@ typedef struct {
 } esk_spread;
 
 void esk_spread_add(esk_spread *spread, double number);
-/* As if all numbers of other had been added. */
-void esk_spread_merge(esk_spread *spread, const esk_spread *other);
 /* The standard deviation of the population; NaN of none. */
 double esk_spread_deviation(const esk_spread *spread);
 
+/* A set of keys. */
 typedef struct {
-	int64_t *keys; /* of the class, ascending, those that the query's filter leaves */
-	size_t count;
-	int64_t *sample; /* at most 256 of them, evenly spaced */
-	size_t sample_count;
-	esk_spread
-		distances; /* ln of the distance from a shape to the nearest one of another subject, where there is one */
-	esk_spread volumes; /* ln mm^3 */
+	eskel_key_block *blocks;
+	size_t block_count;
+} esk_class_keys;
+
+typedef struct {
+	esk_class_keys all;    /* of the class, those that the query's filter leaves */
+	esk_class_keys sample; /* at most 256 of them (sample.h) */
+	esk_spread volumes;    /* ln mm^3, of at most 32 of them: these tell a deviation to 12 % */
 } esk_class_statistics;
 
-/* Of at most 32 shapes of the class, evenly spaced by key: 32 numbers tell a deviation to 12 %. A shape's nearest is looked
- * for among all of its class. Twins, the left and the right bone of one person, are nearer than bones of two people; where
- * a class is of one subject alone, or subjects are not recorded, they have to do. */
 bool esk_class_statistics_make(eskel_api *api, const esk_parameters *query, const char *class,
 	esk_class_statistics *statistics, esk_problem *problem);
 void esk_class_statistics_clear(esk_class_statistics *statistics);
 
-/* The distance of an unknown from the nearest shape of the class, or of its sample; NaN when there is none. */
-typedef enum { ESK_AMONG_ALL, ESK_AMONG_SAMPLE } esk_among;
-
-bool esk_class_statistics_distance(eskel_api *api, const esk_parameters *query, const esk_class_statistics *statistics,
-	esk_among among, const eskel_signature *signature, double *distance, esk_problem *problem);
-
-/* How many deviations ln distance lies above the mean of its class. A class of a few shapes hardly has a deviation of its
- * own, so its numbers are joined by three that are spread as those of the whole library are: with n numbers of mean m and
- * variance v in the class, M and V in the library,
- *
- *	mean = (n m + 3 M) / (n + 3),   variance = (n (v + (m - mean)^2) + 3 (V + (M - mean)^2)) / (n + 3).
- *
- * NaN when the distance is, or when nothing is known of the library. */
-double esk_class_statistics_z(const esk_spread *class, const esk_spread *library, double distance);
+/* The distance of an unknown from the nearest shape of a set of keys; NaN when there is none. */
+bool esk_class_statistics_distance(eskel_api *api, const esk_parameters *query, const esk_class_keys *keys,
+	const eskel_signature *signature, double *distance, esk_problem *problem);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "label_name.h"
 #include "value.h"
+#include "verdict.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -11,13 +12,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Shares of a vote that contradict a label: one that a person should look at, one that hardly errs. Most labels are right, so
+/* Probabilities that contradict a label: one that a person should look at, one that hardly errs. Most labels are right, so
  * an even chance is not enough. */
-#define DOUBTFUL_SCORE 0.6
-#define CERTAIN_SCORE 0.8
-/* A side is told only where it is decided at all, and then it is rarely wrong. */
-#define DOUBTFUL_SIDE_SCORE 0.2
-#define CERTAIN_SIDE_SCORE 0.5
+#define DOUBTFUL_SCORE 0.8
+#define CERTAIN_SCORE 0.95
+#define DOUBTFUL_SIDE_SCORE 0.9
+#define CERTAIN_SIDE_SCORE 0.98
 
 /* A shape that is hardly farther from its own class than from another may well be of its own: metatarsals 2 to 4 and small
  * cuneiforms differ less among themselves than between people. */
@@ -31,8 +31,8 @@
 
 /* Deviations from the mean of its class. Ln distance is skewed to the far side; volumes of adults are not. */
 #define USUAL_Z 1.5
-#define IMPLAUSIBLE_Z 4
-#define FAR_Z 3
+#define IMPLAUSIBLE_Z ESK_FARTHEST
+#define FAR_Z 2
 #define IMPLAUSIBLE_VOLUME_Z 3
 
 /* A class of few shapes, or of one person, looks more alike than it is: bones of a man and a woman differ by ln 1.3 or so. */
@@ -68,7 +68,8 @@ static esk_finding *add(esk_findings *findings, esk_finding_code code, esk_sever
 
 static bool differs_in_class(const esk_checked_label *label)
 {
-	return label->said_class && label->told_class && !esk_label_same_class(label->said_class, label->told_class);
+	return label->said_class && label->told_class && !label->is_unknown &&
+	       !esk_label_same_class(label->said_class, label->told_class);
 }
 
 /* Of a class that the library has not, a shape is contradicted only by one that it is as like as can be. */
@@ -197,13 +198,19 @@ static void find_wrong_name(const esk_checked_label *label, esk_findings *findin
 		find_wrong_side(label, findings);
 }
 
+/* From the class that it is said to be of, or where that is not known from all that it could be. */
+static bool is_far(const esk_checked_label *label)
+{
+	return label->class_is_known ? label->z > IMPLAUSIBLE_Z : label->is_unknown;
+}
+
 /* A class that the library has not is unlike all that it has; that is no finding. */
 static void find_unrecognized(const esk_checked_label *label, esk_findings *findings)
 {
 	if (!label->told_class)
 		add(findings, ESK_FINDING_UNRECOGNIZED, ESK_SEVERITY_WARNING,
 			"no shape of the library says what this is");
-	else if (label->z > IMPLAUSIBLE_Z && !contradicts_class(label) && (label->class_is_known || !label->said_class))
+	else if (is_far(label) && !contradicts_class(label) && (label->class_is_known || !label->said_class))
 		add(findings, ESK_FINDING_UNRECOGNIZED, ESK_SEVERITY_WARNING,
 			"the shape is unlike every %s: the nearest is at distance %.3f, %.1f deviations beyond what is "
 			"usual "

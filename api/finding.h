@@ -57,7 +57,8 @@ typedef struct {
 	double z; /* of that distance in its class; of told_distance in the class told where said_distance is NaN */
 
 	/* what the shape says */
-	const char *told_class; /* NULL: nothing */
+	const char *told_class; /* of the nearest shape that has one; NULL: none has */
+	bool is_unknown;        /* that is too far away to be believed (verdict.h) */
 	eskel_side told_side;
 	double class_score, side_score, told_distance;
 

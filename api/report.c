@@ -2,6 +2,7 @@
 
 #include "eskel_report.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,6 +38,26 @@ void esk_report_number(esk_table *table, const json_t *object, const char *membe
 	const json_t *value = json_object_get(object, member);
 	if (json_is_number(value))
 		esk_table_format(table, "%.*f", decimals, json_number_value(value));
+	else
+		esk_table_cell(table, "-");
+}
+
+void esk_report_score(esk_table *table, const json_t *verdict, const char *member)
+{
+	const json_t *score = json_object_get(verdict, member);
+	if (json_is_number(score))
+		esk_table_format(table, "%.0f %%", fmin(100 * json_number_value(score), 99));
+	else
+		esk_table_cell(table, "-");
+}
+
+void esk_report_class(esk_table *table, const json_t *verdict)
+{
+	const char *class = json_string_value(json_object_get(verdict, "class"));
+	const bool unknown = json_is_string(json_object_get(verdict, "nearest_class"));
+	esk_table_cell(table, class ? class : unknown ? "unknown" : "-");
+	if (class)
+		esk_report_score(table, verdict, "class_score");
 	else
 		esk_table_cell(table, "-");
 }

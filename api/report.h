@@ -28,6 +28,11 @@ const char *esk_report_member(const json_t *object, const char *member);
 /* A cell with the member's number, or "-". */
 void esk_report_number(esk_table *table, const json_t *object, const char *member, int decimals);
 
+/* Two cells of a verdict: its class, "unknown" where the nearest is too far away for its class, and how probable it is. */
+void esk_report_class(esk_table *table, const json_t *verdict);
+/* A cell with a probability: "98 %", at most "99 %", for no calibration shows more; "-" where nothing is told. */
+void esk_report_score(esk_table *table, const json_t *verdict, const char *member);
+
 /* What a person calls a shape: its name, or else the source with its label. */
 void esk_report_name(esk_table *table, const json_t *shape, const char *source);
 

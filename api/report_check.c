@@ -4,7 +4,7 @@
 #include <string.h>
 
 static const esk_column columns[] = {{"label", true}, {"name", false}, {"says", false}, {"side", false},
-	{"looks like", false}, {"score", true}, {"side", false}, {"score", true}, {"z", true}, {"findings", false}};
+	{"looks like", false}, {"sure", true}, {"side", false}, {"sure", true}, {"z", true}, {"findings", false}};
 
 static esk_tone tone_of(const char *severity)
 {
@@ -42,11 +42,10 @@ static void add_label(esk_table *table, const json_t *label, const char *source)
 	esk_report_name(table, label, source);
 	esk_table_cell(table, esk_report_member(label, "class"));
 	esk_table_cell(table, esk_report_member(label, "side"));
-	esk_table_cell(table, esk_report_member(verdict, "class"));
-	esk_report_number(table, verdict, "class_score", 2);
+	esk_report_class(table, verdict);
 	esk_table_cell(table, esk_report_member(verdict, "side"));
-	esk_report_number(table, verdict, "side_score", 2);
-	esk_report_number(table, label, "z", 1);
+	esk_report_score(table, verdict, "side_score");
+	esk_report_number(table, label, "distance_z", 1);
 	add_findings(table, json_object_get(label, "findings"));
 }
 

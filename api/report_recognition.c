@@ -1,8 +1,6 @@
 /* Recognitions: a row each with the verdict and the nearest shape; a single one also with all its neighbours. */
 #include "report.h"
 
-#include <math.h>
-
 static const esk_column verdict_columns[] = {{"query", false}, {"class", false}, {"sure", true}, {"side", false},
 	{"sure", true}, {"nearest", false}, {"distance", true}, {"chirality", false}, {"agrees", false}, {"ms", true}};
 
@@ -28,36 +26,14 @@ static void add_chirality(esk_table *table, const json_t *neighbour)
 	esk_report_number(table, chirality, "score", 2);
 }
 
-/* "98 %", never "100 %", which no calibration shows. */
-static void add_score(esk_table *table, const json_t *verdict, const char *name)
-{
-	const json_t *score = json_object_get(verdict, name);
-	if (json_is_number(score))
-		esk_table_format(table, "%.0f %%", fmin(100 * json_number_value(score), 99));
-	else
-		esk_table_cell(table, "-");
-}
-
-/* A class, or whose class is too far away to be believed. */
-static void add_class(esk_table *table, const json_t *verdict)
-{
-	const char *class = json_string_value(json_object_get(verdict, "class"));
-	const bool unknown = !class && json_is_string(json_object_get(verdict, "nearest_class"));
-	esk_table_cell(table, class ? class : unknown ? "unknown" : "-");
-	if (class)
-		add_score(table, verdict, "class_score");
-	else
-		esk_table_cell(table, "-");
-}
-
 static void add_verdict(esk_table *table, const json_t *result, const char *source)
 {
 	const json_t *verdict = json_object_get(result, "verdict");
 	const json_t *nearest = json_array_get(json_object_get(result, "neighbours"), 0);
 	esk_report_name(table, json_object_get(result, "query"), source);
-	add_class(table, verdict);
+	esk_report_class(table, verdict);
 	esk_table_cell(table, esk_report_member(verdict, "side"));
-	add_score(table, verdict, "side_score");
+	esk_report_score(table, verdict, "side_score");
 	esk_report_name(table, nearest, esk_report_member(nearest, "id"));
 	esk_report_number(table, nearest, "distance", 4);
 	esk_table_cell(table, esk_report_member(json_object_get(nearest, "chirality"), "verdict"));

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CLASSES_OF_LIBRARY 16
-
 bool esk_vocabulary_open(esk_vocabulary *v, eskel_exchange *exchange)
 {
 	eskel_store_error error = {0};
@@ -52,18 +50,6 @@ bool esk_vocabulary_count(esk_vocabulary *v, eskel_exchange *exchange, size_t in
 	if (v->counted[index])
 		return true;
 	v->counted[index] = true;
-	if (!esk_class_statistics_make(
-		    exchange->api, &exchange->query, v->names[index], &v->statistics[index], &exchange->problem))
-		return false;
-	esk_spread_merge(&v->distances, &v->statistics[index].distances);
-	return true;
-}
-
-bool esk_vocabulary_count_library(esk_vocabulary *v, eskel_exchange *exchange)
-{
-	size_t count = v->count < CLASSES_OF_LIBRARY ? v->count : CLASSES_OF_LIBRARY;
-	for (size_t i = 0; i < count; i++)
-		if (!esk_vocabulary_count(v, exchange, i * v->count / count))
-			return false;
-	return true;
+	return esk_class_statistics_make(
+		exchange->api, &exchange->query, v->names[index], &v->statistics[index], &exchange->problem);
 }

@@ -12,8 +12,7 @@ typedef struct {
 	char **names;
 	char (*keys)[ESK_LABEL_KEY_SIZE]; /* "": none */
 	esk_class_statistics *statistics;
-	bool *counted;        /* whether the statistics are made */
-	esk_spread distances; /* of all that are */
+	bool *counted; /* whether the statistics are made */
 } esk_vocabulary;
 
 /* Close it also after a failure. */
@@ -25,8 +24,5 @@ size_t esk_vocabulary_find(const esk_vocabulary *vocabulary, const char *class);
 
 /* Makes the statistics of a class, by the exchange's query. */
 bool esk_vocabulary_count(esk_vocabulary *vocabulary, eskel_exchange *exchange, size_t index);
-
-/* Of 16 classes, evenly spaced by name, or of all: what is usual in the library is told by more than the classes of a map. */
-bool esk_vocabulary_count_library(esk_vocabulary *vocabulary, eskel_exchange *exchange);
 
 #endif

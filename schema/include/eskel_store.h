@@ -166,9 +166,6 @@ ESKEL_API eskel_store_status eskel_store_list(eskel_store *store, const eskel_fi
 /* The keys alone: what a search compares with. free() them; not NULL when there are none. */
 ESKEL_API eskel_store_status eskel_store_keys(eskel_store *store, const eskel_filter *filter, eskel_key_block **keys,
 	size_t *block_count, eskel_store_error *error);
-/* The keys alone, ascending: what a search compares with. free() them; not NULL when there are none. */
-ESKEL_API eskel_store_status eskel_store_keys(eskel_store *store, const eskel_filter *filter, int64_t **keys,
-	size_t *count, eskel_store_error *error);
 /* The classes of all shapes, ascending, each once. Free them. */
 ESKEL_API eskel_store_status eskel_store_classes(eskel_store *store, char ***classes, size_t *count,
 	eskel_store_error *error);

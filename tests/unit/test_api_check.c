@@ -227,7 +227,7 @@ static void an_empty_library_recognizes_nothing(void **state)
 	for (int label = 1; label <= LABELS; label++) {
 		assert_true(has_finding(label_of(&a, label), "unrecognized", 0));
 		assert_true(has_finding(label_of(&a, label), "unknown_class", 0));
-		assert_true(json_is_null(json_object_get(label_of(&a, label), "z")));
+		assert_true(json_is_null(json_object_get(label_of(&a, label), "distance_z")));
 	}
 	answer_free(&a);
 	volume_free(&m.file);

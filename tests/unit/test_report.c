@@ -369,18 +369,18 @@ static void a_check_is_a_row_a_label_and_a_line_a_finding(void **state)
 	(void)state;
 	eskel_report *report = report_of(ESKEL_REPORT_CHECK);
 	add(report, "feet.nii",
-		"{\"labels\":[{\"label\":1,\"name\":\"talus_R\",\"class\":\"talus\",\"side\":\"right\",\"z\":0.77,"
+		"{\"labels\":[{\"label\":1,\"name\":\"talus_R\",\"class\":\"talus\",\"side\":\"right\",\"distance_z\":0.77,"
 		"\"verdict\":{\"class\":\"talus\",\"class_score\":0.987,\"side\":\"left\",\"side_score\":0.5},"
 		"\"findings\":[{\"code\":\"swapped_side\",\"severity\":\"error\",\"text\":\"it is a left one\"},"
 		"{\"code\":\"holes\",\"severity\":\"note\",\"text\":\"1 cavity\"}]},"
-		"{\"label\":12,\"name\":null,\"class\":null,\"side\":null,\"z\":null,\"verdict\":{\"class\":\"cuboid\","
+		"{\"label\":12,\"name\":null,\"class\":null,\"side\":null,\"distance_z\":null,\"verdict\":{\"class\":\"cuboid\","
 		"\"class_score\":1.0,\"side\":null,\"side_score\":null},\"findings\":[]}],"
 		"\"findings\":{\"error\":1,\"warning\":0,\"note\":1},"
 		"\"warnings\":[{\"code\":\"no_orientation\",\"text\":\"which side is left is not recorded\"}]}");
 	assert_text(report, false,
-		"label  name         says   side   looks like  score  side  score    z  findings\n"
-		"    1  talus_R      talus  right  talus        0.99  left   0.50  0.8  swapped_side, (holes)\n"
-		"   12  feet.nii:12  -      -      cuboid       1.00  -         -    -  -\n"
+		"label  name         says   side   looks like  sure  side  sure    z  findings\n"
+		"    1  talus_R      talus  right  talus       99 %  left  50 %  0.8  swapped_side, (holes)\n"
+		"   12  feet.nii:12  -      -      cuboid      99 %  -        -    -  -\n"
 		"\nfeet.nii: labels 2, errors 1, warnings 0, notes 1\n"
 		"feet.nii: which side is left is not recorded\n"
 		"label 1 (talus_R): error swapped_side: it is a left one\n"
