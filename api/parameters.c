@@ -199,7 +199,7 @@ static bool take_cursor(void *target, const argument *given, esk_problem *proble
 static const char *const modes[] = {"exact", "pruned", NULL};
 static const char *const signatures[] = {"log", "paper", NULL};
 static const char *const distances[] = {"sum", "level", NULL};
-static const char *const metrics[] = {"manhattan", "euclidean", NULL};
+static const char *const metrics[] = {"manhattan", "euclidean", "root", NULL};
 static const char *const sizes[] = {"fixed", "free", NULL};
 static const char *const left_out[] = {"shape", "subject", NULL};
 static const char *const formats[] = {"json", "csv", NULL};

@@ -64,6 +64,8 @@ static void prepare_halves(esk_bound *bound, uint32_t k)
 	bound->halves_magnitudes[k] = bound->halves_magnitudes[k - 1] + magnitude(halves, 2 * numbers);
 	for (uint32_t h = 0; h < 2 * numbers; h++)
 		halves[h] = fmaxf(halves[h] - esk_columns_half_codes(query->signature, h / 2).origin, 0);
+	for (uint32_t c = 0; c < numbers; c++)
+		bound->root_worths[(k - 1) * numbers + c] = 1 / sqrtf((float)k);
 }
 
 static void prepare_sorted(esk_bound *bound, uint32_t k)
@@ -80,7 +82,9 @@ void esk_bound_init(esk_bound *bound, const esk_query *query)
 {
 	const uint32_t numbers = esk_numbers(query->signature), levels = query->shape->level_count;
 	const uint32_t depth = esk_query_depth_at(query, ESK_SUMMED_LEVELS);
-	*bound = (esk_bound){.query = query, .scan = esk_scan_make(query, (float)weight(query, depth))};
+	*bound = (esk_bound){.query = query,
+		.over_levels = query->summed && query->metric != ESKEL_METRIC_ROOT,
+		.scan = esk_scan_make(query, (float)weight(query, depth))};
 	for (uint32_t k = 1; k <= levels; k++)
 		bound->class_magnitudes[k] =
 			bound->class_magnitudes[k - 1] + magnitude(query->rows[k - 1], numbers * k) / k;
@@ -88,6 +92,20 @@ void esk_bound_init(esk_bound *bound, const esk_query *query)
 		prepare_halves(bound, k);
 		prepare_sorted(bound, k);
 	}
+}
+
+/* ---- sums */
+
+enum { LANES = 16 };
+
+/* Always in sixteen lanes: the same sum, and so the same shapes discarded, on any processor. Indices are of size_t: one that
+ * may wrap around would have to be gathered. */
+ESK_IN_LANES float sum_of_lanes(float *lanes)
+{
+	for (size_t width = LANES / 2; width > 0; width /= 2)
+		for (size_t lane = 0; lane < width; lane++)
+			lanes[lane] += lanes[lane + width];
+	return lanes[0];
 }
 
 /* ---- halves, counted in steps of their codes */
@@ -105,6 +123,23 @@ static float euclidean_halves(const float *mine, size_t count, const uint8_t *th
 		sum += sqrtf(squares);
 	}
 	return sum;
+}
+
+/* A level's mean pair cost is at least sqrt(k m) / k for a number with k m in its k differences, of which the halves
+ * show m or less. A byte is off by at most half a step, so the halves of a number by one; all other rounding is far below
+ * a sixteenth. */
+ESK_EVERY_WIDTH static float rooted_halves(
+	const float *mine, const float *worths, size_t count, const uint8_t *theirs, float steps)
+{
+	float lanes[LANES] = {0};
+	for (size_t n = 0; n < count; n += LANES)
+		for (size_t lane = 0; lane < LANES && n + lane < count; lane++) {
+			const size_t h = 2 * (n + lane);
+			const float difference = fabsf(fminf(mine[h] * steps, 255) - (float)theirs[h]) +
+						 fabsf(fminf(mine[h + 1] * steps, 255) - (float)theirs[h + 1]);
+			lanes[lane] += sqrtf(fmaxf(difference - 1.0625f, 0)) * worths[n + lane];
+		}
+	return sum_of_lanes(lanes);
 }
 
 enum { AT_ONCE = 64 };
@@ -131,10 +166,16 @@ static void by_halves(const esk_bound *bound, const esk_columns *columns, const 
 	}
 	for (size_t i = 0; i < count; i++)
 		steps[i] = 1 / worths[i];
-	if (!query->euclidean)
+	if (query->metric == ESKEL_METRIC_MANHATTAN)
 		esk_halves_sum(bound->halves, begin, end, row, rows, steps, count, sums);
-	for (uint32_t i = 0; query->euclidean && i < count; i++)
+	for (uint32_t i = 0; query->metric == ESKEL_METRIC_EUCLIDEAN && i < count; i++)
 		sums[i] = euclidean_halves(bound->halves + begin, end - begin, rows[i] + begin, steps[i], numbers);
+	for (uint32_t i = 0; query->metric == ESKEL_METRIC_ROOT && i < count; i++) {
+		sums[i] = rooted_halves(bound->halves + begin, bound->root_worths + begin / 2, (end - begin) / 2,
+			rows[i] + begin, steps[i]);
+		worths[i] = sqrtf(worths[i]);
+		slacks[i] = 0;
+	}
 	for (size_t i = 0; i < count; i++) {
 		/* A rounding is at most half a step. */
 		const float least = (sums[i] - (slacks[i] < most ? slacks[i] : most)) * worths[i];
@@ -171,8 +212,10 @@ void esk_bound_by_halves(
 	}
 	const float size_weight = (float)(query->size_weight * (1 - relative_margin)),
 		    log_volume = query->shape->log_volume;
-	for (size_t i = 0; size_weight > 0 && i < count; i++)
-		bounds[i] += size_weight * fabsf(columns->log_volumes[slots[i]] - log_volume);
+	for (size_t i = 0; size_weight > 0 && i < count; i++) {
+		const float difference = fabsf(columns->log_volumes[slots[i]] - log_volume);
+		bounds[i] += size_weight * (query->metric == ESKEL_METRIC_ROOT ? sqrtf(difference) : difference);
+	}
 }
 
 static double level_by_halves(const esk_bound *bound, const esk_columns *columns, uint32_t slot, level_range levels)
@@ -218,7 +261,7 @@ static void ask_level(const esk_bound *bound, const esk_columns *columns, uint32
 
 void esk_bound_scan(const esk_bound *bound, esk_columns *columns, uint32_t count, float *bounds)
 {
-	if (bound->query->summed) {
+	if (bound->over_levels) {
 		scan_totals(bound, columns, count, bounds);
 		return;
 	}
@@ -227,24 +270,13 @@ void esk_bound_scan(const esk_bound *bound, esk_columns *columns, uint32_t count
 		const uint32_t some = count - slot < AT_ONCE ? count - slot : AT_ONCE;
 		for (uint32_t i = 0; i < some; i++)
 			slots[i] = (uint16_t)(slot + i);
-		ask_level(bound, columns, slot + AT_ONCE, slot + 2 * AT_ONCE);
+		if (!bound->query->summed)
+			ask_level(bound, columns, slot + AT_ONCE, slot + 2 * AT_ONCE);
 		esk_bound_by_halves(bound, columns, slots, some, bounds + slot);
 	}
 }
 
 /* ---- sorted numbers */
-
-enum { LANES = 16 };
-
-/* Always in sixteen lanes: the same sum, and so the same shapes discarded, on any processor. Indices are of size_t: one that
- * may wrap around would have to be gathered. */
-ESK_IN_LANES float sum_of_lanes(float *lanes)
-{
-	for (size_t width = LANES / 2; width > 0; width /= 2)
-		for (size_t lane = 0; lane < width; lane++)
-			lanes[lane] += lanes[lane + width];
-	return lanes[0];
-}
 
 ESK_IN_LANES float number_of(float feature, bool are_lengths, float unit)
 {
@@ -287,14 +319,16 @@ static float sorted_cost_of_level(const esk_query *query, const esk_shape *shape
 		float difference = 0;
 		for (uint32_t i = c * k; i < (c + 1) * k; i++)
 			difference += fabsf(theirs[i] - mine[i]);
-		sum += query->euclidean ? difference * difference : difference;
+		if (query->metric == ESKEL_METRIC_EUCLIDEAN)
+			difference *= difference;
+		sum += query->metric == ESKEL_METRIC_ROOT ? sqrtf(difference) : difference;
 	}
-	return (query->euclidean ? sqrtf(sum) : sum) / (float)k;
+	return (query->metric == ESKEL_METRIC_EUCLIDEAN ? sqrtf(sum) : sum) / (float)k;
 }
 
 static double sorted_costs(const esk_bound *bound, const esk_shape *shape, uint32_t first, uint32_t last)
 {
-	if (!bound->query->euclidean && last <= ESK_SUMMED_LEVELS)
+	if (bound->query->metric == ESKEL_METRIC_MANHATTAN && last <= ESK_SUMMED_LEVELS)
 		return (double)sorted_cost(bound, shape, first, last);
 	double sum = 0;
 	for (uint32_t k = first; k <= last; k++)

@@ -29,43 +29,53 @@ static void pad(pairs *p, const float *b)
 	}
 }
 
-/* Sums of absolute differences, or of their squares. */
-__attribute__((always_inline)) static inline void add_up(const pairs *p, uint32_t numbers, bool squared, float *costs)
+/* Adds what differences are worth in the cost of a pair, before the root of the Euclidean metric. */
+__attribute__((always_inline)) static inline void add_term(const floats *differences, eskel_metric metric, floats *sum)
+{
+	floats term = (floats)((integers)*differences & INT32_MAX);
+	if (metric == ESKEL_METRIC_EUCLIDEAN)
+		term *= term;
+	for (int lane = 0; metric == ESKEL_METRIC_ROOT && lane < LANES; lane++)
+		term[lane] = sqrtf(term[lane]);
+	*sum += term;
+}
+
+__attribute__((always_inline)) static inline void add_up(
+	const pairs *p, uint32_t numbers, eskel_metric metric, float *costs)
 {
 	for (uint32_t i = 0; i < p->k; i++)
 		for (uint32_t j = 0; j < p->width; j += LANES) {
 			floats sum = {0};
 			for (uint32_t c = 0; c < numbers; c++) {
-				floats term = p->a[c * p->k + i] - *(const floats *)&p->b[c * p->width + j];
-				if (squared)
-					term *= term;
-				else
-					term = (floats)((integers)term & INT32_MAX);
-				sum += term;
+				const floats differences =
+					p->a[c * p->k + i] - *(const floats *)&p->b[c * p->width + j];
+				add_term(&differences, metric, &sum);
 			}
 			*(floats *)&costs[i * p->width + j] = sum;
 		}
 }
 
-/* The log signature with the Manhattan metric is what nearly all searches use, so its loop is worth unrolling. */
-__attribute__((always_inline)) static inline void add_up_any(const pairs *p, bool squared, float *costs)
+/* The log signature is what nearly all searches use, with the Manhattan metric or with roots, so these loops are worth
+ * unrolling. */
+__attribute__((always_inline)) static inline void add_up_any(const pairs *p, eskel_metric metric, float *costs)
 {
-	if (p->numbers == ESK_NUMBERS_MAX && !squared)
-		add_up(p, ESK_NUMBERS_MAX, false, costs);
+	if (p->numbers == ESK_NUMBERS_MAX && metric == ESKEL_METRIC_MANHATTAN)
+		add_up(p, ESK_NUMBERS_MAX, ESKEL_METRIC_MANHATTAN, costs);
+	else if (p->numbers == ESK_NUMBERS_MAX && metric == ESKEL_METRIC_ROOT)
+		add_up(p, ESK_NUMBERS_MAX, ESKEL_METRIC_ROOT, costs);
 	else
-		add_up(p, p->numbers, squared, costs);
+		add_up(p, p->numbers, metric, costs);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static void add_up_avx2(const pairs *p, bool squared, float *costs)
+__attribute__((target("avx2"))) static void add_up_avx2(const pairs *p, eskel_metric metric, float *costs)
 {
-	add_up_any(p, squared, costs);
+	add_up_any(p, metric, costs);
 }
 #endif
 
 void esk_class_costs(eskel_metric metric, uint32_t numbers, uint32_t k, const float *a, const float *b, float *costs)
 {
-	const bool squared = metric == ESKEL_METRIC_EUCLIDEAN;
 	pairs p;
 	p.numbers = numbers;
 	p.k = k;
@@ -74,10 +84,10 @@ void esk_class_costs(eskel_metric metric, uint32_t numbers, uint32_t k, const fl
 	pad(&p, b);
 #if defined(__x86_64__)
 	if (__builtin_cpu_supports("avx2"))
-		add_up_avx2(&p, squared, costs);
+		add_up_avx2(&p, metric, costs);
 	else
 #endif
-		add_up_any(&p, squared, costs);
-	for (uint32_t n = 0; squared && n < k * p.width; n++)
+		add_up_any(&p, metric, costs);
+	for (uint32_t n = 0; metric == ESKEL_METRIC_EUCLIDEAN && n < k * p.width; n++)
 		costs[n] = sqrtf(costs[n]);
 }

@@ -1,7 +1,8 @@
 /* Distances and matches of two shapes (sections 5.2.1 and 5.2.2).
  *
- * At a level, the cost of a pair of classes is the Manhattan (or Euclidean) distance between their numbers, and the
- * distance is the least cost of a bijection. It grows with k, so levels are put together as means per class.
+ * At a level, the cost of a pair of classes is the Manhattan (or Euclidean) distance between their numbers, or the sum
+ * of the square roots of their differences, and the distance is the least cost of a bijection. It grows with k, so
+ * levels are put together as means per class.
  * Where we differ from the paper: logarithms by default, all levels instead of one, and a term for size (eskel.h).
  *
  * The distance from a to b is that from b to a, bit for bit: a level's matching is always solved with the shape
@@ -18,7 +19,7 @@
 #include <string.h>
 
 enum { default_level = 10 };
-static const double size_weight = 0.2;
+static const double size_weight = 0.2, root_size_weight = 0.15;
 
 /* False when memory ran out. */
 static bool make_rows(esk_query *query)
@@ -43,13 +44,13 @@ eskel_status esk_query_init(esk_query *query, const esk_shape *shape, const eske
 {
 	const eskel_distance_options chosen = options ? *options : (eskel_distance_options){0};
 	if ((unsigned)chosen.signature > ESKEL_SIGNATURE_PAPER || (unsigned)chosen.distance > ESKEL_DISTANCE_LEVEL ||
-		(unsigned)chosen.metric > ESKEL_METRIC_EUCLIDEAN || (unsigned)chosen.size > ESKEL_SIZE_FREE ||
+		(unsigned)chosen.metric > ESKEL_METRIC_ROOT || (unsigned)chosen.size > ESKEL_SIZE_FREE ||
 		chosen.level > ESKEL_LEVELS_MAX)
 		return ESKEL_INVALID;
 	esk_query made = {
 		.shape = shape,
 		.signature = chosen.signature,
-		.euclidean = chosen.metric == ESKEL_METRIC_EUCLIDEAN,
+		.metric = chosen.metric,
 		.size_counts = chosen.size == ESKEL_SIZE_FIXED,
 		.summed = chosen.distance == ESKEL_DISTANCE_SUM,
 		.deepest = chosen.level ? chosen.level : default_level,
@@ -57,7 +58,7 @@ eskel_status esk_query_init(esk_query *query, const esk_shape *shape, const eske
 	if (made.summed)
 		made.deepest = ESK_SUMMED_LEVELS;
 	if (made.signature == ESKEL_SIGNATURE_LOG && made.size_counts)
-		made.size_weight = size_weight;
+		made.size_weight = made.metric == ESKEL_METRIC_ROOT ? root_size_weight : size_weight;
 	if (!make_rows(&made))
 		return ESKEL_NO_MEMORY;
 	*query = made;
@@ -96,13 +97,12 @@ static double solve_level(const esk_query *query, const esk_shape *other, uint32
 	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX];
 	const float *mine = query->rows[level - 1];
 	const uint32_t numbers = esk_numbers(query->signature);
-	const eskel_metric metric = query->euclidean ? ESKEL_METRIC_EUCLIDEAN : ESKEL_METRIC_MANHATTAN;
 	esk_shape_unsort(other, level, esk_query_sorted(query, other, level, scratch), numbers, theirs);
 	*swapped = !comes_first(mine, theirs, numbers * level);
 	if (*swapped)
-		esk_class_costs(metric, numbers, level, theirs, mine, costs);
+		esk_class_costs(query->metric, numbers, level, theirs, mine, costs);
 	else
-		esk_class_costs(metric, numbers, level, mine, theirs, costs);
+		esk_class_costs(query->metric, numbers, level, mine, theirs, costs);
 	return esk_assignment_solve_padded(level, costs, column_of_row);
 }
 

@@ -11,8 +11,9 @@
 typedef struct {
 	const esk_shape *shape;
 	eskel_signature_kind signature;
-	bool euclidean, size_counts, summed;
-	double size_weight;                    /* of the difference of ln V, or 0 */
+	eskel_metric metric;
+	bool size_counts, summed;
+	double size_weight;                    /* of the difference of ln V, or its root, or 0 */
 	uint32_t deepest;                      /* no level above this counts in the distance */
 	const float *rows[ESKEL_LEVELS_MAX];   /* level k at k - 1: esk_numbers(signature) rows of k, by class */
 	const float *sorted[ESKEL_LEVELS_MAX]; /* the same, each row ascending */
@@ -38,7 +39,8 @@ static inline uint32_t esk_query_depth(const esk_query *query, const esk_shape *
 /* What a difference in size adds to a distance: zero or more. */
 static inline double esk_query_size_term(const esk_query *query, float log_volume)
 {
-	return query->size_weight * (double)fabsf(query->shape->log_volume - log_volume);
+	const float difference = fabsf(query->shape->log_volume - log_volume);
+	return query->size_weight * (double)(query->metric == ESKEL_METRIC_ROOT ? sqrtf(difference) : difference);
 }
 
 /* The numbers of another shape, each row ascending, in the query's units: where they are or in

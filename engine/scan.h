@@ -10,10 +10,15 @@
 #include "columns.h"
 #include "distance.h"
 
+/* How far a difference is off at most, in steps: a code is by half a step, and rounding by far less than a sixteenth. It
+ * is taken off before a root, which is then too small by sqrt(x + e) - sqrt(max(x - e, 0)) <= sqrt(2 e), the most at x = e. */
+#define ESK_SCAN_ROOT_ERROR 0.5625f
+
 /* The query's side of a scan. */
 typedef struct {
 	eskel_signature_kind signature;
-	bool euclidean, has_unit;
+	eskel_metric metric;
+	bool has_unit;
 	float step, origin;
 	float weight;      /* what the sum of differences is worth in the distance */
 	float size_weight; /* 0: sizes add nothing */
@@ -22,8 +27,8 @@ typedef struct {
 
 esk_scan esk_scan_make(const esk_query *query, float weight);
 
-/* For the first count slots: weight times the sum over numbers of the differences between a column and one of mine, plus
- * the size term. With halves there are two columns a number. */
+/* For the first count slots: weight times the sum over numbers of the differences between a column and one of mine, or of
+ * their roots, plus the size term. With halves there are two columns a number; of halves no roots are taken. */
 void esk_scan_columns(const esk_scan *scan, const esk_columns *columns, const uint16_t *codes, bool halves,
 	const float *mine, uint32_t count, float *lower);
 /* For each of these slots, which have level 2: the same for the least matching of its two classes with the two of mine,
@@ -34,8 +39,10 @@ void esk_scan_pairs(const esk_scan *scan, const esk_columns *columns, const floa
 /* Of a sum of so many differences up to lower, in a slot of this scale. */
 static inline float esk_scan_width(const esk_scan *scan, float differences, float lower, float scale)
 {
-	const float worth = scan->weight * (scan->has_unit ? scan->step * scale : scan->step);
-	return 2.01f * (worth * (differences / 2 + 0.25f) + 0x1p-18f * lower);
+	const float worth = scan->has_unit ? scan->step * scale : scan->step, rounding = 2.01f * 0x1p-18f * lower;
+	if (scan->metric == ESKEL_METRIC_ROOT)
+		return 1.01f * scan->weight * sqrtf(worth) * differences * sqrtf(2 * ESK_SCAN_ROOT_ERROR) + rounding;
+	return 2.01f * scan->weight * worth * (differences / 2 + 0.25f) + rounding;
 }
 
 #endif

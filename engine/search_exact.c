@@ -74,7 +74,7 @@ static void scan(walk *w, esk_nearest *scouts)
 	for (uint32_t chunk = 0; chunk < snapshot->directory->chunk_count; chunk++) {
 		const uint32_t slots = esk_snapshot_slots(snapshot, chunk);
 		float *bounds = w->bounds + (size_t)chunk * ESK_CHUNK_SLOTS;
-		if (w->search->query.summed)
+		if (w->bound.over_levels)
 			esk_search_ask_columns(w->search, chunk + 1, false);
 		if (esk_search_takes_any(w->search, chunk))
 			esk_bound_scan(&w->bound, &snapshot->directory->chunks[chunk]->columns, slots, bounds);
@@ -103,7 +103,7 @@ static void ask_rows(const walk *w, const few *chosen)
 {
 	const eskel_signature_kind kind = w->search->query.signature;
 	const esk_columns *columns = &w->search->snapshot.directory->chunks[chosen->chunk]->columns;
-	for (uint32_t i = 0; w->search->query.summed && i < chosen->count; i++) {
+	for (uint32_t i = 0; w->bound.over_levels && i < chosen->count; i++) {
 		const uint32_t slot = chosen->slots[i];
 		esk_search_ask_halves(w->search, esk_snapshot_id(chosen->chunk, slot), 1, ESK_SUMMED_LEVELS);
 		__builtin_prefetch(&columns->slacks[kind][slot]);
@@ -112,7 +112,8 @@ static void ask_rows(const walk *w, const few *chosen)
 	}
 }
 
-/* Adds to the candidates those that stay in; false when memory ran out. A level's own halves have been looked at by the scan. */
+/* Adds to the candidates those that stay in; false when memory ran out. What the scan has looked at, it does
+ * not look at again. */
 static bool discard_few(walk *w, const few *chosen)
 {
 	float bounds[ESK_CHUNK_SLOTS];
@@ -121,11 +122,11 @@ static bool discard_few(walk *w, const few *chosen)
 	if (!esk_memory_reserve(&candidates, &w->capacity, w->count + chosen->count, sizeof *w->candidates))
 		return false;
 	w->candidates = candidates;
-	if (w->search->query.summed)
+	if (w->bound.over_levels)
 		esk_bound_by_halves(&w->bound, &chunk->columns, chosen->slots, chosen->count, bounds);
 	for (uint32_t i = 0; i < chosen->count; i++) {
 		const uint32_t id = esk_snapshot_id(chosen->chunk, chosen->slots[i]);
-		const candidate c = {(double)(w->search->query.summed ? bounds[i] : w->bounds[id]), 0, id};
+		const candidate c = {(double)(w->bound.over_levels ? bounds[i] : w->bounds[id]), 0, id};
 		if (c.bound <= threshold(w))
 			w->candidates[w->count++] = c;
 	}

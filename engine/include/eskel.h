@@ -282,7 +282,7 @@ ESKEL_API eskel_status eskel_signature_decode(const uint8_t *bytes, size_t size,
 
 typedef enum { ESKEL_SIGNATURE_LOG, ESKEL_SIGNATURE_PAPER } eskel_signature_kind;
 typedef enum { ESKEL_DISTANCE_SUM, ESKEL_DISTANCE_LEVEL } eskel_distance_kind;
-typedef enum { ESKEL_METRIC_MANHATTAN, ESKEL_METRIC_EUCLIDEAN } eskel_metric;
+typedef enum { ESKEL_METRIC_MANHATTAN, ESKEL_METRIC_EUCLIDEAN, ESKEL_METRIC_ROOT } eskel_metric;
 typedef enum { ESKEL_SIZE_FIXED, ESKEL_SIZE_FREE } eskel_size;
 
 /* Two signatures:
@@ -290,6 +290,8 @@ typedef enum { ESKEL_SIZE_FIXED, ESKEL_SIZE_FREE } eskel_size;
  *          sum: the mean of D_k over the levels that both have, 1 to at most 16; size fixed adds 0.2 |ln V - ln V'|.
  *   paper  sqrt(lambda) and rho in mm (size fixed) or of the shape brought to volume 1 (free), q unused;
  *          D_k = matching cost; sum: the sum of D_k / k over the levels that both have, 1 to at most 16.
+ * The metric root adds up the square roots of the differences, so that one number that is far off counts for less; size fixed
+ * then adds 0.15 sqrt |ln V - ln V'|.
  * Both are computed from the same 32-bit floats that the library keeps, so every route to a distance agrees. */
 typedef struct {
 	eskel_signature_kind signature;

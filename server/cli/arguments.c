@@ -57,7 +57,7 @@ static const esk_option options[] = {
 	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
 	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},
 	{"level", "K", COMPARED, "level", "for --distance level and --explain (10)"},
-	{"metric", "KIND", COMPARED, "metric", "manhattan (default) or euclidean"},
+	{"metric", "KIND", COMPARED, "metric", "manhattan (default), euclidean or root"},
 	{"size", "KIND", COMPARED, "size", "fixed (default), or free: size does not count"},
 	{"csv", NULL, DISTANCES, "format=csv", "the matrix as CSV"},
 	{"leave-out", "WHAT", EVALUATE, "leave_out",

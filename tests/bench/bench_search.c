@@ -177,6 +177,8 @@ static const struct {
 } kinds[] = {
 	{"log-sum", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_SUM}},
 	{"log-level", {.signature = ESKEL_SIGNATURE_LOG, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
+	{"root-sum", {.metric = ESKEL_METRIC_ROOT}},
+	{"root-level", {.metric = ESKEL_METRIC_ROOT, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
 	{"paper-sum", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_SUM}},
 	{"paper-level", {.signature = ESKEL_SIGNATURE_PAPER, .distance = ESKEL_DISTANCE_LEVEL, .level = LEVEL}},
 };

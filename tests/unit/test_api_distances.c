@@ -56,7 +56,7 @@ static void a_matrix_and_a_recognition_agree(void **state)
 	char ids[4][ESKEL_ID_SIZE];
 	enroll_four(f->api, ids);
 	static const char *const kinds[] = {
-		"", "signature=paper", "distance=level&level=5&metric=euclidean", "size=free"};
+		"", "signature=paper", "distance=level&level=5&metric=euclidean", "metric=root", "size=free"};
 	for (size_t k = 0; k < 4; k++) {
 		answer matrix = get(f->api, "/distances?id=%s,%s,%s,%s&%s", ids[2], ids[0], ids[1], ids[3], kinds[k]);
 		answer nearest = get(f->api, "/recognize?shape=%s&mode=exact&%s", ids[2], kinds[k]);

@@ -189,16 +189,16 @@ static void every_kind_of_distance_ranks_a_near_copy_first(void **state)
 	enroll_left_bones(f->api, ids);
 	static const char *const signatures[] = {"log", "paper"},
 				 *const distances[] = {"sum", "level", "level&level=4"},
-				 *const metrics[] = {"manhattan", "euclidean"}, *const sizes[] = {"fixed", "free"},
-				 *const modes[] = {"pruned", "exact"};
-	for (unsigned i = 0; i < 48; i++) {
+				 *const metrics[] = {"manhattan", "euclidean", "root"},
+				 *const sizes[] = {"fixed", "free"}, *const modes[] = {"pruned", "exact"};
+	for (unsigned i = 0; i < 72; i++) {
 		answer a = get(f->api, "/recognize?shape=%s&signature=%s&distance=%s&metric=%s&size=%s&mode=%s",
-			ids[1][0], signatures[i & 1], distances[i / 16], metrics[i >> 1 & 1], sizes[i >> 2 & 1],
-			modes[i >> 3 & 1]);
+			ids[1][0], signatures[i & 1], distances[i / 24], metrics[i / 8 % 3], sizes[i >> 1 & 1],
+			modes[i >> 2 & 1]);
 		assert_status(&a, 200);
 		assert_string_equal(text_at(&a, "results.0.neighbours.0.id"), ids[1][1]);
-		assert_string_equal(text_at(&a, "results.0.search.distance"), i / 16 ? "level" : "sum");
-		if (i >> 3 & 1)
+		assert_string_equal(text_at(&a, "results.0.search.distance"), i / 24 ? "level" : "sum");
+		if (i >> 2 & 1)
 			assert_true(json_is_true(at(&a, "results.0.search.proven")));
 		answer_free(&a);
 	}

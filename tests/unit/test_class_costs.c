@@ -12,7 +12,9 @@ static float one_cost(eskel_metric metric, uint32_t numbers, uint32_t k, const f
 	float sum = 0;
 	for (uint32_t c = 0; c < numbers; c++) {
 		const float difference = a[c * k] - b[c * k];
-		sum += metric == ESKEL_METRIC_EUCLIDEAN ? difference * difference : fabsf(difference);
+		sum += metric == ESKEL_METRIC_EUCLIDEAN ? difference * difference
+		       : metric == ESKEL_METRIC_ROOT    ? sqrtf(fabsf(difference))
+							: fabsf(difference);
 	}
 	return metric == ESKEL_METRIC_EUCLIDEAN ? sqrtf(sum) : sum;
 }
@@ -27,9 +29,9 @@ static void costs_are_the_sums_over_numbers_in_order_and_infinite_in_the_padding
 		a[n] = (float)synthetic_uniform(&random);
 		b[n] = (float)synthetic_uniform(&random);
 	}
-	for (uint32_t n = 0; n < 4 * ESKEL_LEVELS_MAX; n++) {
-		const uint32_t k = 1 + n / 4, numbers = ESK_PAPER_NUMBERS + n / 2 % 2;
-		const eskel_metric metric = n % 2 ? ESKEL_METRIC_EUCLIDEAN : ESKEL_METRIC_MANHATTAN;
+	for (uint32_t n = 0; n < 6 * ESKEL_LEVELS_MAX; n++) {
+		const uint32_t k = 1 + n / 6, numbers = ESK_PAPER_NUMBERS + n / 3 % 2;
+		const eskel_metric metric = (eskel_metric)(n % 3);
 		const uint32_t width = esk_assignment_width(k);
 		esk_class_costs(metric, numbers, k, a, b, costs);
 		for (uint32_t i = 0; i < k; i++)
@@ -57,12 +59,12 @@ static void every_vector_width_computes_the_same_costs(void **state)
 		a[n] = (float)synthetic_uniform(&random);
 		b[n] = (float)synthetic_uniform(&random);
 	}
-	for (uint32_t n = 0; n < 2 * ESKEL_LEVELS_MAX; n++) {
-		pairs p = {.numbers = ESK_NUMBERS_MAX, .k = 1 + n / 2, .a = a};
+	for (uint32_t n = 0; n < 3 * ESKEL_LEVELS_MAX; n++) {
+		pairs p = {.numbers = ESK_NUMBERS_MAX, .k = 1 + n / 3, .a = a};
 		p.width = esk_assignment_width(p.k);
 		pad(&p, b);
-		add_up_any(&p, n % 2, narrow);
-		add_up_avx2(&p, n % 2, wide);
+		add_up_any(&p, (eskel_metric)(n % 3), narrow);
+		add_up_avx2(&p, (eskel_metric)(n % 3), wide);
 		assert_memory_equal(narrow, wide, p.k * p.width * sizeof *wide);
 	}
 #else

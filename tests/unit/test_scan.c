@@ -12,13 +12,13 @@
 #include <stdlib.h>
 
 /* Not a multiple of sixteen, the width of the loops. */
-enum { shapes = 75, combinations = 8 };
+enum { shapes = 75, combinations = 12 };
 
 static eskel_distance_options combination(int n)
 {
 	return (eskel_distance_options){.signature = n & 1 ? ESKEL_SIGNATURE_PAPER : ESKEL_SIGNATURE_LOG,
-		.metric = n & 2 ? ESKEL_METRIC_EUCLIDEAN : ESKEL_METRIC_MANHATTAN,
-		.size = n & 4 ? ESKEL_SIZE_FREE : ESKEL_SIZE_FIXED};
+		.size = n & 2 ? ESKEL_SIZE_FREE : ESKEL_SIZE_FIXED,
+		.metric = (eskel_metric)(n / 4)};
 }
 
 static void fill(shelf *s)
