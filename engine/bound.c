@@ -1,5 +1,7 @@
 #include "bound.h"
 
+#include "assignment.h"
+#include "class_costs.h"
 #include "halves.h"
 #include "lanes.h"
 
@@ -125,20 +127,32 @@ static float euclidean_halves(const float *mine, size_t count, const uint8_t *th
 	return sum;
 }
 
+ESK_IN_LANES float at_most(float number, float most)
+{
+	return number < most ? number : most;
+}
+
 /* A level's mean pair cost is at least sqrt(k m) / k for a number with k m in its k differences, of which the halves
  * show m or less. A byte is off by at most half a step, so the halves of a number by one; all other rounding is far below
  * a sixteenth. */
+ESK_IN_LANES float root_of_halves(const float *mine, const uint8_t *theirs, float steps)
+{
+	const float difference = fabsf(at_most(mine[0] * steps, 255) - (float)theirs[0]) +
+				 fabsf(at_most(mine[1] * steps, 255) - (float)theirs[1]) - 1.0625f;
+	return sqrtf(difference > 0 ? difference : 0);
+}
+
 ESK_EVERY_WIDTH static float rooted_halves(
 	const float *mine, const float *worths, size_t count, const uint8_t *theirs, float steps)
 {
 	float lanes[LANES] = {0};
-	for (size_t n = 0; n < count; n += LANES)
-		for (size_t lane = 0; lane < LANES && n + lane < count; lane++) {
-			const size_t h = 2 * (n + lane);
-			const float difference = fabsf(fminf(mine[h] * steps, 255) - (float)theirs[h]) +
-						 fabsf(fminf(mine[h + 1] * steps, 255) - (float)theirs[h + 1]);
-			lanes[lane] += sqrtf(fmaxf(difference - 1.0625f, 0)) * worths[n + lane];
-		}
+	size_t n = 0;
+	for (; n + LANES <= count; n += LANES)
+		for (size_t lane = 0; lane < LANES; lane++)
+			lanes[lane] += root_of_halves(mine + 2 * (n + lane), theirs + 2 * (n + lane), steps) *
+				       worths[n + lane];
+	for (size_t lane = 0; n < count; n++, lane++)
+		lanes[lane] += root_of_halves(mine + 2 * n, theirs + 2 * n, steps) * worths[n];
 	return sum_of_lanes(lanes);
 }
 
@@ -326,13 +340,38 @@ static float sorted_cost_of_level(const esk_query *query, const esk_shape *shape
 	return (query->metric == ESKEL_METRIC_EUCLIDEAN ? sqrtf(sum) : sum) / (float)k;
 }
 
+/* The mean pair cost of a level if every class were given the nearest of the other shape: for roots, where sorted numbers say
+ * little, as the far ones cost little more than the near ones. */
+static float nearest_cost_of_level(const esk_query *query, const esk_shape *shape, uint32_t k)
+{
+	const uint32_t numbers = esk_numbers(query->signature), width = esk_assignment_width(k);
+	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX], of_mine = 0, of_theirs = 0;
+	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float costs[ESK_ASSIGNMENT_COSTS_MAX], least[ESKEL_LEVELS_MAX];
+	esk_shape_unsort(shape, k, esk_query_sorted(query, shape, k, scratch), numbers, theirs);
+	esk_class_costs(query->metric, numbers, k, query->rows[k - 1], theirs, costs);
+	memcpy(least, costs, width * sizeof *costs);
+	for (uint32_t i = 0; i < k; i++) {
+		float nearest = INFINITY;
+		for (uint32_t j = 0; j < width; j++) {
+			const float cost = costs[i * width + j];
+			least[j] = cost < least[j] ? cost : least[j];
+			nearest = cost < nearest ? cost : nearest;
+		}
+		of_mine += nearest;
+	}
+	for (uint32_t j = 0; j < k; j++)
+		of_theirs += least[j];
+	return (of_mine > of_theirs ? of_mine : of_theirs) / (float)k;
+}
+
 static double sorted_costs(const esk_bound *bound, const esk_shape *shape, uint32_t first, uint32_t last)
 {
 	if (bound->query->metric == ESKEL_METRIC_MANHATTAN && last <= ESK_SUMMED_LEVELS)
 		return (double)sorted_cost(bound, shape, first, last);
 	double sum = 0;
 	for (uint32_t k = first; k <= last; k++)
-		sum += (double)sorted_cost_of_level(bound->query, shape, k);
+		sum += (double)(bound->query->metric == ESKEL_METRIC_ROOT ? nearest_cost_of_level(bound->query, shape, k)
+									   : sorted_cost_of_level(bound->query, shape, k));
 	return sum;
 }
 
