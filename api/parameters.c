@@ -200,6 +200,7 @@ static const char *const modes[] = {"exact", "pruned", NULL};
 static const char *const signatures[] = {"log", "paper", NULL};
 static const char *const distances[] = {"sum", "level", NULL};
 static const char *const metrics[] = {"manhattan", "euclidean", "root", NULL};
+static const char *const scales[] = {"none", "neighbourhood", NULL};
 static const char *const sizes[] = {"fixed", "free", NULL};
 static const char *const left_out[] = {"shape", "subject", NULL};
 static const char *const formats[] = {"json", "csv", NULL};
@@ -234,6 +235,7 @@ static const struct parameter parameters[] = {
 	{.name = "name", .take = take_text, FIELD(name)},
 	{.name = "not.subject", .take = take_text, FIELD(not_subject)},
 	{.name = "q", .take = take_text, FIELD(text)},
+	{.name = "scale", .take = take_choice, FIELD(scale), .choices = scales},
 	{.name = "sex", .take = take_sex, FIELD(sex)},
 	{.name = "shape", .take = take_shape, FIELD(shape)},
 	{.name = "side", .take = take_side, FIELD(side)},

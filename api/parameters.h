@@ -41,6 +41,7 @@ typedef struct {
 	unsigned limit, level, levels, minimum;           /* 0: not given */
 	double keep;                                      /* 0: not given */
 	unsigned mode, signature, distance, metric, size; /* of the enums of eskel.h */
+	unsigned scale;
 	unsigned format;                                  /* ESK_FORMAT_... */
 	unsigned explain;
 	unsigned leave_out; /* ESK_LEAVE_OUT_... (evaluation.h) */

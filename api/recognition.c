@@ -113,6 +113,7 @@ bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_
 		.mode = (eskel_search_mode)query->mode,
 		.keep = query->keep,
 		.minimum = query->minimum,
+		.scale = (eskel_scale)query->scale,
 		.limit = limit,
 	};
 	esk_evidence evidence;

@@ -65,6 +65,11 @@ static json_t *neighbour_json(const esk_unknown *unknown, const esk_neighbour *n
 		"class", said->class, "side", esk_value_side_text(said->side), "subject", said->subject, "distance",
 		esk_json_real(found->distance), "levels", esk_json_reals(found->levels, found->level_count),
 		"chirality", chirality_json(&neighbour->chirality));
+	if (json && query->scale == ESKEL_SCALE_NEIGHBOURHOOD &&
+		json_object_set_new(json, "scaled", esk_json_real(found->scaled)) != 0) {
+		json_decref(json);
+		return NULL;
+	}
 	if (json && query->explain && !explain(json, unknown, neighbour, query)) {
 		json_decref(json);
 		return NULL;

@@ -370,8 +370,9 @@ static double sorted_costs(const esk_bound *bound, const esk_shape *shape, uint3
 		return (double)sorted_cost(bound, shape, first, last);
 	double sum = 0;
 	for (uint32_t k = first; k <= last; k++)
-		sum += (double)(bound->query->metric == ESKEL_METRIC_ROOT ? nearest_cost_of_level(bound->query, shape, k)
-									   : sorted_cost_of_level(bound->query, shape, k));
+		sum += (double)(bound->query->metric == ESKEL_METRIC_ROOT
+					? nearest_cost_of_level(bound->query, shape, k)
+					: sorted_cost_of_level(bound->query, shape, k));
 	return sum;
 }
 

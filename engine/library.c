@@ -33,6 +33,7 @@ struct eskel_prepared {
 struct eskel_library {
 	pthread_mutex_t writing;
 	pthread_mutex_t *gate; /* apart, for readers of a const library */
+	esk_neighbourhoods *neighbourhoods;
 	esk_snapshot current;
 	esk_key_index index;
 	lane lanes[LANES];
@@ -42,6 +43,7 @@ void eskel_library_free(eskel_library *library)
 {
 	if (!library)
 		return;
+	esk_neighbourhoods_free(library->neighbourhoods);
 	esk_directory_release(library->current.directory);
 	esk_key_index_clear(&library->index);
 	for (int n = 0; n < LANES; n++) {
@@ -58,7 +60,9 @@ eskel_status eskel_library_new(eskel_library **library)
 {
 	eskel_library *made = esk_memory_zeroed_array(1, sizeof *made);
 	pthread_mutex_t *gate = esk_memory_array(1, sizeof *gate);
-	if (!made || !gate || esk_directory_new(0, &made->current.directory) != ESKEL_OK) {
+	esk_neighbourhoods *neighbourhoods = esk_neighbourhoods_new();
+	if (!made || !gate || !neighbourhoods || esk_directory_new(0, &made->current.directory) != ESKEL_OK) {
+		esk_neighbourhoods_free(neighbourhoods);
 		free(made);
 		free(gate);
 		return ESKEL_NO_MEMORY;
@@ -73,6 +77,7 @@ eskel_status eskel_library_new(eskel_library **library)
 	for (int n = 0; n < LANES; n++)
 		pthread_mutex_init(&made->lanes[n].lock, NULL);
 	made->gate = gate;
+	made->neighbourhoods = neighbourhoods;
 	*library = made;
 	return ESKEL_OK;
 }
@@ -84,6 +89,11 @@ esk_snapshot esk_library_snapshot(const eskel_library *library)
 	atomic_fetch_add_explicit(&snapshot.directory->references, 1, memory_order_relaxed);
 	pthread_mutex_unlock(library->gate);
 	return snapshot;
+}
+
+esk_neighbourhoods *esk_library_neighbourhoods(const eskel_library *library)
+{
+	return library->neighbourhoods;
 }
 
 size_t eskel_library_count(const eskel_library *library)

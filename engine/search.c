@@ -6,12 +6,19 @@
 #include "lanes.h"
 #include "library.h"
 #include "memory.h"
+#include "neighbourhood.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { default_limit = 5, default_minimum = 10 };
+enum {
+	default_limit = 5,
+	default_minimum = 10,
+	/* So many of the nearest are scaled, and so many more than are wanted. */
+	least_shortlist = 40,
+	beyond_limit = 35,
+};
 static const double default_keep = 0.1;
 
 static void choose_slots(
@@ -71,22 +78,54 @@ void esk_search_answer(esk_search *search, uint32_t id, double distance, const d
 	esk_nearest_offer(&search->answer, found);
 }
 
-/* The answer in order, each with its D_k. When levels are not summed, only one of them has been computed. */
-static eskel_status write_neighbours(esk_search *search)
+eskel_status esk_search_run(esk_search *search, const esk_shape *shape, const eskel_search_options *options)
+{
+	eskel_status status = esk_query_init(&search->query, shape, &options->distance);
+	if (status == ESKEL_OK)
+		status = choose_participants(search, options);
+	if (status != ESKEL_OK)
+		return status;
+	const size_t limit = options->limit < search->participant_count ? options->limit : search->participant_count;
+	search->result->library = search->participant_count;
+	if (limit == 0) {
+		search->result->proven = true;
+		return ESKEL_OK;
+	}
+	search->levels = esk_memory_array(limit, sizeof *search->levels);
+	if (!search->levels || !esk_nearest_init(&search->answer, limit))
+		return ESKEL_NO_MEMORY;
+	return options->mode == ESKEL_SEARCH_EXACT ? esk_search_exact(search) : esk_search_pruned(search);
+}
+
+void esk_search_clear(esk_search *search)
+{
+	esk_nearest_clear(&search->answer);
+	free(search->levels);
+	free(search->unscaled);
+	free(search->participants);
+	esk_query_clear(&search->query);
+}
+
+/* The first of the answer in order, each with its D_k. When levels are not summed, only one of them has been computed. */
+static eskel_status write_neighbours(esk_search *search, size_t limit)
 {
 	eskel_search_result *result = search->result;
 	esk_nearest *answer = &search->answer;
-	result->neighbours = esk_memory_zeroed_array(answer->count, sizeof *result->neighbours);
+	const size_t count = limit < answer->count ? limit : answer->count;
+	if (count == 0)
+		return ESKEL_OK;
+	result->neighbours = esk_memory_zeroed_array(count, sizeof *result->neighbours);
 	if (!result->neighbours)
 		return ESKEL_NO_MEMORY;
 	esk_ranked_sort(answer->items, answer->count);
-	result->count = answer->count;
-	for (size_t n = 0; n < answer->count; n++) {
+	result->count = count;
+	for (size_t n = 0; n < count; n++) {
 		const esk_ranked *found = &answer->items[n];
 		const esk_shape *shape = esk_snapshot_shape(&search->snapshot, found->id);
 		eskel_neighbour *neighbour = &result->neighbours[n];
 		neighbour->key = found->key;
-		neighbour->distance = found->distance;
+		neighbour->distance = search->unscaled ? search->unscaled[found->row] : found->distance;
+		neighbour->scaled = search->unscaled ? found->distance : 0;
 		neighbour->level_count = esk_query_depth(&search->query, shape);
 		if (search->query.summed)
 			memcpy(neighbour->levels, search->levels[found->row], neighbour->level_count * sizeof(double));
@@ -96,39 +135,39 @@ static eskel_status write_neighbours(esk_search *search)
 	return ESKEL_OK;
 }
 
-static eskel_status run(esk_search *search, const eskel_signature *signature, const eskel_search_options *options)
+static eskel_status answer_scaled(
+	const eskel_library *library, const esk_shape *shape, eskel_search_options options, esk_search *search)
 {
-	eskel_status status = esk_shape_new(signature, &search->shape);
-	if (status == ESKEL_OK)
-		status = esk_query_init(&search->query, search->shape, &options->distance);
-	if (status == ESKEL_OK)
-		status = choose_participants(search, options);
-	if (status != ESKEL_OK)
-		return status;
-	size_t limit = options->limit ? options->limit : default_limit;
-	if (limit > search->participant_count)
-		limit = search->participant_count;
-	search->result->library = search->participant_count;
-	if (limit == 0) {
-		search->result->proven = true;
-		return ESKEL_OK;
-	}
-	search->levels = esk_memory_array(limit, sizeof *search->levels);
-	if (!search->levels || !esk_nearest_init(&search->answer, limit))
-		return ESKEL_NO_MEMORY;
-	if (options->mode == ESKEL_SEARCH_EXACT)
-		status = esk_search_exact(search);
-	else
-		status = esk_search_pruned(search);
-	return status == ESKEL_OK ? write_neighbours(search) : status;
+	const size_t limit = options.limit;
+	options.limit = limit < least_shortlist - beyond_limit ? least_shortlist
+			: limit < SIZE_MAX - beyond_limit      ? limit + beyond_limit
+							       : limit;
+	eskel_status status = esk_search_run(search, shape, &options);
+	if (status == ESKEL_OK && search->answer.count)
+		status = esk_neighbourhoods_scale(esk_library_neighbourhoods(library), &options, search);
+	search->result->proven &= search->answer.count == search->participant_count;
+	return status == ESKEL_OK ? write_neighbours(search, limit) : status;
+}
+
+static eskel_status answer_query(
+	const eskel_library *library, const esk_shape *shape, eskel_search_options options, esk_search *search)
+{
+	if (options.limit == 0)
+		options.limit = default_limit;
+	if (options.scale == ESKEL_SCALE_NEIGHBOURHOOD)
+		return answer_scaled(library, shape, options, search);
+	eskel_status status = esk_search_run(search, shape, &options);
+	return status == ESKEL_OK ? write_neighbours(search, options.limit) : status;
 }
 
 eskel_status eskel_library_search(const eskel_library *library, const eskel_signature *query,
 	const eskel_search_options *options, eskel_search_result **result)
 {
 	const eskel_search_options chosen = options ? *options : (eskel_search_options){0};
-	if ((unsigned)chosen.mode > ESKEL_SEARCH_PRUNED || !(chosen.keep >= 0 && chosen.keep <= 1))
+	if ((unsigned)chosen.mode > ESKEL_SEARCH_PRUNED || (unsigned)chosen.scale > ESKEL_SCALE_NEIGHBOURHOOD ||
+		!(chosen.keep >= 0 && chosen.keep <= 1))
 		return ESKEL_INVALID;
+	esk_shape *shape = NULL;
 	eskel_search_result *made = esk_memory_zeroed_array(1, sizeof *made);
 	if (!made)
 		return ESKEL_NO_MEMORY;
@@ -140,12 +179,11 @@ eskel_status eskel_library_search(const eskel_library *library, const eskel_sign
 		.watched_key = chosen.watched_key,
 		.result = made,
 	};
-	eskel_status status = run(&search, query, &chosen);
-	esk_nearest_clear(&search.answer);
-	free(search.levels);
-	free(search.participants);
-	esk_query_clear(&search.query);
-	esk_shape_release(search.shape);
+	eskel_status status = esk_shape_new(query, &shape);
+	if (status == ESKEL_OK)
+		status = answer_query(library, shape, chosen, &search);
+	esk_search_clear(&search);
+	esk_shape_release(shape);
 	esk_directory_release(search.snapshot.directory);
 	if (status != ESKEL_OK) {
 		eskel_search_result_free(made);

@@ -8,7 +8,6 @@
 
 typedef struct {
 	esk_snapshot snapshot;
-	esk_shape *shape; /* the query's */
 	esk_query query;
 	double keep; /* by each step of the pruned search: this share, but not fewer than the minimum */
 	size_t minimum;
@@ -16,6 +15,7 @@ typedef struct {
 	size_t participant_count;
 	esk_nearest answer;                 /* filled by the mode */
 	double (*levels)[ESKEL_LEVELS_MAX]; /* D_k of each in the answer, by its row, when levels are summed */
+	double *unscaled;                   /* the distance of each, by its row, where the answer has another */
 	eskel_search_result *result;        /* steps, kept, compared and proven are written by the mode */
 	int64_t watched_key;
 	bool watch; /* the shape with that key, through the steps of the pruned mode */
@@ -109,7 +109,7 @@ static inline void esk_search_ask_numbers(const esk_search *search, uint32_t id,
 static inline void esk_search_ask_level(const esk_search *search, uint32_t id, uint32_t level)
 {
 	const esk_shape *shape = esk_snapshot_shape(&search->snapshot, id);
-	const size_t numbers = ESK_NUMBERS_MAX * ESKEL_NODES(search->shape->level_count);
+	const size_t numbers = ESK_NUMBERS_MAX * ESKEL_NODES(search->query.shape->level_count);
 	esk_search_ask_numbers(search, id, level, level);
 	__builtin_prefetch((const char *)(shape->numbers + numbers) + ESK_NUMBERS_MAX * ESKEL_NODES(level - 1) / 2);
 }
@@ -117,7 +117,12 @@ static inline void esk_search_ask_level(const esk_search *search, uint32_t id, u
 /* Takes a shape's distance into the answer, with its D_k, which are read when levels are summed. */
 void esk_search_answer(esk_search *search, uint32_t id, double distance, const double *levels);
 
-/* Both fail only when memory runs out. */
+/* Fills the answer for a shape, which must outlive the search. The snapshot and the result are set, all else is zero; clear
+ * the search afterwards, after a failure as well. Without shapes that take part there is no answer. */
+eskel_status esk_search_run(esk_search *search, const esk_shape *shape, const eskel_search_options *options);
+void esk_search_clear(esk_search *search);
+
+/* The two modes. Both fail only when memory runs out. */
 eskel_status esk_search_pruned(esk_search *search);
 eskel_status esk_search_exact(esk_search *search);
 

@@ -368,12 +368,17 @@ ESKEL_API size_t eskel_key_blocks_add(eskel_key_block *blocks, size_t count, int
 /* exact finds what comparing with every shape would find; pruned is the paper's: the nearest tenth at each level (keep),
  * never fewer than 10 (minimum) or than are wanted, then full depth, and may miss the nearest. */
 typedef enum { ESKEL_SEARCH_EXACT, ESKEL_SEARCH_PRUNED } eskel_search_mode;
+/* neighbourhood puts a shortlist, the nearest 40 or 35 more than are wanted, in the order of d / sqrt(s s'), where s of a
+ * shape is its mean distance to the 8 nearest in the whole library, whatever takes part (but without the left-out key for
+ * the query). */
+typedef enum { ESKEL_SCALE_NONE, ESKEL_SCALE_NEIGHBOURHOOD } eskel_scale;
 
 typedef struct {
 	eskel_distance_options distance;
 	eskel_search_mode mode;
 	double keep;                    /* pruned: the share that a level keeps, above 0 to 1; default 0.1 */
 	size_t minimum;                 /* pruned: the fewest that a level keeps; default 10 */
+	eskel_scale scale;
 	size_t limit;                   /* neighbours wanted; default 5 */
 	const eskel_key_block *keys;    /* compare with these only (a filter's answer); NULL: all */
 	size_t key_block_count;
@@ -386,6 +391,7 @@ typedef struct {
 typedef struct {
 	int64_t key;
 	double distance;
+	double scaled;                         /* by neighbourhoods, or 0 */
 	uint32_t level_count;
 	double levels[ESKEL_LEVELS_MAX];       /* D_k */
 } eskel_neighbour;
@@ -396,9 +402,9 @@ typedef struct {
 	size_t kept[ESKEL_LEVELS_MAX];         /* shapes still in after each step */
 	uint32_t watched_steps;                /* steps after which the watched shape was still in */
 	size_t compared;                       /* shapes compared to full depth */
-	bool proven;                           /* no shape outside the answer is nearer */
+	bool proven;                           /* no shape outside the answer is nearer; scaled: all were on the shortlist */
 	size_t count;
-	eskel_neighbour *neighbours;           /* by distance, then key */
+	eskel_neighbour *neighbours;           /* by distance, scaled if asked for, then key */
 } eskel_search_result;
 
 ESKEL_API eskel_status eskel_library_search(const eskel_library *library, const eskel_signature *query,

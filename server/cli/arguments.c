@@ -53,6 +53,8 @@ static const esk_option options[] = {
 	{"mode", "MODE", RECOGNIZE | CHECK, "mode", "exact (default) or pruned"},
 	{"keep", "SHARE", RECOGNIZE, "keep", "for --mode pruned: what each level keeps (0.1)"},
 	{"minimum", "N", RECOGNIZE, "minimum", "for --mode pruned: the fewest that a level keeps (10)"},
+	{"scale", "KIND", RECOGNIZE, "scale",
+		"none (default), or neighbourhood: distances mean more where shapes are dense"},
 	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
 	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
 	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},

@@ -204,6 +204,30 @@ static void every_kind_of_distance_ranks_a_near_copy_first(void **state)
 	}
 }
 
+static void scaled_neighbours_come_in_the_order_of_their_scaled_distances(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	answer a = get(f->api, "/recognize?shape=%s", ids[1][0]);
+	assert_status(&a, 200);
+	assert_null(json_object_get(at(&a, "results.0.neighbours.0"), "scaled"));
+	answer_free(&a);
+	a = get(f->api, "/recognize?shape=%s&scale=neighbourhood", ids[1][0]);
+	assert_status(&a, 200);
+	assert_int_equal(json_array_size(at(&a, "results.0.neighbours")), 5);
+	assert_true(json_is_true(at(&a, "results.0.search.proven")));
+	double last = 0;
+	for (unsigned i = 0; i < 5; i++) {
+		json_t *neighbour = json_array_get(at(&a, "results.0.neighbours"), i);
+		const double scaled = json_real_value(json_object_get(neighbour, "scaled"));
+		assert_true(scaled >= last);
+		last = scaled;
+	}
+	assert_true(last > 0);
+	answer_free(&a);
+}
+
 static void an_explanation_matches_classes_and_names_differences(void **state)
 {
 	api_fixture *f = *state;
@@ -339,6 +363,7 @@ int main(void)
 		api_test(a_filter_chooses_what_is_compared),
 		api_test(a_filter_says_nothing_of_a_posted_label),
 		api_test(every_kind_of_distance_ranks_a_near_copy_first),
+		api_test(scaled_neighbours_come_in_the_order_of_their_scaled_distances),
 		api_test(an_explanation_matches_classes_and_names_differences),
 		api_test(an_explanation_lays_a_shape_on_its_mirror_image),
 		api_test(only_the_neighbours_that_are_answered_are_explained),

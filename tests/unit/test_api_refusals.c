@@ -76,6 +76,7 @@ static void a_wrong_query_is_refused_by_its_head(void **state)
 		{"GET", "/recognize?shape=" ID "&signature=esf", "expected log or paper"},
 		{"GET", "/recognize?shape=" ID "&distance=far", "expected sum or level"},
 		{"GET", "/recognize?shape=" ID "&metric=taxi", "expected manhattan, euclidean or root"},
+		{"GET", "/recognize?shape=" ID "&scale=local", "expected none or neighbourhood"},
 		{"GET", "/recognize?shape=" ID "&size=big", "expected fixed or free"},
 		{"GET", "/recognize?shape=" ID "&explain=yes", "explain is \\\"yes\\\", expected false or true"},
 		{"GET", "/recognize?shape=" ID "&level=4",

@@ -329,10 +329,10 @@ static void *write_changes(void *context)
 	return NULL;
 }
 
-static bool sees_all(const scene *s, int which, eskel_search_mode mode)
+static bool sees_all(const scene *s, int which, eskel_search_mode mode, eskel_scale scale)
 {
 	eskel_search_result *result = NULL;
-	const eskel_search_options options = {.mode = mode, .limit = 3};
+	const eskel_search_options options = {.mode = mode, .scale = scale, .limit = 3};
 	if (eskel_library_search(s->library, s->signatures[which], &options, &result) != ESKEL_OK)
 		return false;
 	const int64_t key = result->neighbours[0].key;
@@ -349,7 +349,7 @@ static void *read_changes(void *context)
 	const int64_t keys[3] = {0, 20, 49};
 	double distances[9];
 	for (int n = 0; n < 10 || !atomic_load(&s->done); n++) {
-		if (!sees_all(s, n % (stable + moving), (eskel_search_mode)(n % 2)))
+		if (!sees_all(s, n % (stable + moving), (eskel_search_mode)(n % 2), (eskel_scale)(n % 3 == 0)))
 			atomic_fetch_add(&s->wrong, 1);
 		if (eskel_library_distances(s->library, keys, 3, keys, 3, NULL, distances) != ESKEL_OK)
 			atomic_fetch_add(&s->wrong, 1);
