@@ -1,6 +1,5 @@
 #include "bound.h"
 
-#include "assignment.h"
 #include "class_costs.h"
 #include "halves.h"
 #include "lanes.h"
@@ -344,24 +343,10 @@ static float sorted_cost_of_level(const esk_query *query, const esk_shape *shape
  * little, as the far ones cost little more than the near ones. */
 static float nearest_cost_of_level(const esk_query *query, const esk_shape *shape, uint32_t k)
 {
-	const uint32_t numbers = esk_numbers(query->signature), width = esk_assignment_width(k);
-	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX], of_mine = 0, of_theirs = 0;
-	_Alignas(ESK_ASSIGNMENT_ALIGNMENT) float costs[ESK_ASSIGNMENT_COSTS_MAX], least[ESKEL_LEVELS_MAX];
+	const uint32_t numbers = esk_numbers(query->signature);
+	float scratch[ESK_LEVEL_FLOATS_MAX], theirs[ESK_LEVEL_FLOATS_MAX];
 	esk_shape_unsort(shape, k, esk_query_sorted(query, shape, k, scratch), numbers, theirs);
-	esk_class_costs(query->metric, numbers, k, query->rows[k - 1], theirs, costs);
-	memcpy(least, costs, width * sizeof *costs);
-	for (uint32_t i = 0; i < k; i++) {
-		float nearest = INFINITY;
-		for (uint32_t j = 0; j < width; j++) {
-			const float cost = costs[i * width + j];
-			least[j] = cost < least[j] ? cost : least[j];
-			nearest = cost < nearest ? cost : nearest;
-		}
-		of_mine += nearest;
-	}
-	for (uint32_t j = 0; j < k; j++)
-		of_theirs += least[j];
-	return (of_mine > of_theirs ? of_mine : of_theirs) / (float)k;
+	return esk_class_costs_nearest(numbers, k, query->rows[k - 1], theirs) / (float)k;
 }
 
 static double sorted_costs(const esk_bound *bound, const esk_shape *shape, uint32_t first, uint32_t last)

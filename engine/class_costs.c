@@ -19,8 +19,12 @@ typedef struct {
 } pairs;
 
 /* Infinite numbers in the padding make infinite costs. */
-static void pad(pairs *p, const float *b)
+static void init(pairs *p, uint32_t numbers, uint32_t k, const float *a, const float *b)
 {
+	p->numbers = numbers;
+	p->k = k;
+	p->width = esk_assignment_width(k);
+	p->a = a;
 	for (uint32_t c = 0; c < p->numbers; c++) {
 		float *row = p->b + c * p->width;
 		memcpy(row, b + c * p->k, p->k * sizeof *b);
@@ -40,17 +44,24 @@ __attribute__((always_inline)) static inline void add_term(const floats *differe
 	*sum += term;
 }
 
+/* Of class i of a and eight of b, from j on. */
+__attribute__((always_inline)) static inline void add_terms(
+	const pairs *p, uint32_t i, uint32_t j, uint32_t numbers, eskel_metric metric, floats *sum)
+{
+	*sum = (floats){0};
+	for (uint32_t c = 0; c < numbers; c++) {
+		const floats differences = p->a[c * p->k + i] - *(const floats *)&p->b[c * p->width + j];
+		add_term(&differences, metric, sum);
+	}
+}
+
 __attribute__((always_inline)) static inline void add_up(
 	const pairs *p, uint32_t numbers, eskel_metric metric, float *costs)
 {
 	for (uint32_t i = 0; i < p->k; i++)
 		for (uint32_t j = 0; j < p->width; j += LANES) {
-			floats sum = {0};
-			for (uint32_t c = 0; c < numbers; c++) {
-				const floats differences =
-					p->a[c * p->k + i] - *(const floats *)&p->b[c * p->width + j];
-				add_term(&differences, metric, &sum);
-			}
+			floats sum;
+			add_terms(p, i, j, numbers, metric, &sum);
 			*(floats *)&costs[i * p->width + j] = sum;
 		}
 }
@@ -77,11 +88,7 @@ __attribute__((target("avx2"))) static void add_up_avx2(const pairs *p, eskel_me
 void esk_class_costs(eskel_metric metric, uint32_t numbers, uint32_t k, const float *a, const float *b, float *costs)
 {
 	pairs p;
-	p.numbers = numbers;
-	p.k = k;
-	p.width = esk_assignment_width(k);
-	p.a = a;
-	pad(&p, b);
+	init(&p, numbers, k, a, b);
 #if defined(__x86_64__)
 	if (__builtin_cpu_supports("avx2"))
 		add_up_avx2(&p, metric, costs);
@@ -90,4 +97,64 @@ void esk_class_costs(eskel_metric metric, uint32_t numbers, uint32_t k, const fl
 		add_up_any(&p, metric, costs);
 	for (uint32_t n = 0; metric == ESKEL_METRIC_EUCLIDEAN && n < k * p.width; n++)
 		costs[n] = sqrtf(costs[n]);
+}
+
+/* ---- the nearest */
+
+__attribute__((always_inline)) static inline void take_less(const floats *sum, floats *least)
+{
+	const integers less = *sum < *least;
+	*least = (floats)((less & (integers)*sum) | (~less & (integers)*least));
+}
+
+__attribute__((always_inline)) static inline float least_lane(const floats *least)
+{
+	float found = (*least)[0];
+	for (int lane = 1; lane < LANES; lane++)
+		found = (*least)[lane] < found ? (*least)[lane] : found;
+	return found;
+}
+
+__attribute__((always_inline)) static inline float add_nearest(const pairs *p, uint32_t numbers)
+{
+	floats of_b[ESKEL_LEVELS_MAX / LANES];
+	float sum_of_a = 0, sum_of_b = 0;
+	for (uint32_t j = 0; j < p->width; j += LANES)
+		of_b[j / LANES] = (floats){0} + INFINITY;
+	for (uint32_t i = 0; i < p->k; i++) {
+		floats of_a = (floats){0} + INFINITY;
+		for (uint32_t j = 0; j < p->width; j += LANES) {
+			floats sum;
+			add_terms(p, i, j, numbers, ESKEL_METRIC_ROOT, &sum);
+			take_less(&sum, &of_a);
+			take_less(&sum, &of_b[j / LANES]);
+		}
+		sum_of_a += least_lane(&of_a);
+	}
+	for (uint32_t j = 0; j < p->k; j++)
+		sum_of_b += of_b[j / LANES][j % LANES];
+	return sum_of_a > sum_of_b ? sum_of_a : sum_of_b;
+}
+
+__attribute__((always_inline)) static inline float add_nearest_any(const pairs *p)
+{
+	return p->numbers == ESK_NUMBERS_MAX ? add_nearest(p, ESK_NUMBERS_MAX) : add_nearest(p, p->numbers);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static float add_nearest_avx2(const pairs *p)
+{
+	return add_nearest_any(p);
+}
+#endif
+
+float esk_class_costs_nearest(uint32_t numbers, uint32_t k, const float *a, const float *b)
+{
+	pairs p;
+	init(&p, numbers, k, a, b);
+#if defined(__x86_64__)
+	if (__builtin_cpu_supports("avx2"))
+		return add_nearest_avx2(&p);
+#endif
+	return add_nearest_any(&p);
 }

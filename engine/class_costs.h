@@ -8,4 +8,8 @@
  * esk_assignment_solve_padded takes them. Of a and b row c, number c of each of the k classes, begins at c * k. */
 void esk_class_costs(eskel_metric metric, uint32_t numbers, uint32_t k, const float *a, const float *b, float *costs);
 
+/* If every class were given the nearest of the other shape by the metric root, which of the two sums of costs is more: no
+ * bijection costs less. */
+float esk_class_costs_nearest(uint32_t numbers, uint32_t k, const float *a, const float *b);
+
 #endif
