@@ -7,6 +7,15 @@ static const esk_column verdict_columns[] = {{"query", false}, {"class", false},
 static const esk_column neighbour_columns[] = {{"#", true}, {"name", false}, {"class", false}, {"side", false},
 	{"subject", false}, {"distance", true}, {"chirality", false}, {"score", true}, {"id", false}};
 
+static const esk_column scaled_columns[] = {{"#", true}, {"name", false}, {"class", false}, {"side", false},
+	{"subject", false}, {"scaled", true}, {"distance", true}, {"chirality", false}, {"score", true}, {"id", false}};
+
+/* Whether neighbours are ordered by scaled distances. */
+static bool is_scaled(const json_t *result)
+{
+	return json_object_get(json_array_get(json_object_get(result, "neighbours"), 0), "scaled") != NULL;
+}
+
 /* Whether the verdict agrees with what is recorded of the query. */
 static void add_agreement(esk_table *table, const json_t *verdict)
 {
@@ -48,6 +57,8 @@ static void add_neighbour(esk_table *table, const json_t *neighbour, size_t rank
 	esk_table_cell(table, esk_report_member(neighbour, "class"));
 	esk_table_cell(table, esk_report_member(neighbour, "side"));
 	esk_table_cell(table, esk_report_member(neighbour, "subject"));
+	if (json_object_get(neighbour, "scaled"))
+		esk_report_number(table, neighbour, "scaled", 4);
 	esk_report_number(table, neighbour, "distance", 4);
 	add_chirality(table, neighbour);
 	esk_table_cell(table, esk_report_member(neighbour, "id"));
@@ -57,7 +68,10 @@ static bool write_neighbours(const json_t *result, FILE *out, bool colour)
 {
 	size_t i;
 	json_t *neighbour;
-	esk_table *table = esk_table_new(neighbour_columns, sizeof neighbour_columns / sizeof *neighbour_columns);
+	esk_table *table =
+		is_scaled(result)
+			? esk_table_new(scaled_columns, sizeof scaled_columns / sizeof *scaled_columns)
+			: esk_table_new(neighbour_columns, sizeof neighbour_columns / sizeof *neighbour_columns);
 	json_array_foreach (json_object_get(result, "neighbours"), i, neighbour)
 		add_neighbour(table, neighbour, i + 1);
 	fputc('\n', out);
@@ -66,12 +80,14 @@ static bool write_neighbours(const json_t *result, FILE *out, bool colour)
 	return whole;
 }
 
-static void write_search(const json_t *search, FILE *out)
+static void write_search(const json_t *result, FILE *out)
 {
+	const json_t *search = json_object_get(result, "search");
 	fprintf(out, "\nsearched %lld shapes, mode ",
 		(long long)json_integer_value(json_object_get(search, "library")));
 	esk_table_write_plain(out, esk_report_member(search, "mode"));
 	fputs(json_is_true(json_object_get(search, "proven")) ? ": proven, no other shape is nearer\n"
+		: is_scaled(result)                           ? ": not proven, only the nearest were scaled\n"
 							      : ": not proven, a nearer shape may have been pruned\n",
 		out);
 }
@@ -132,7 +148,7 @@ bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)
 	esk_table_free(table);
 	if (count == 1) {
 		whole = write_neighbours(only, out, colour) && whole;
-		write_search(json_object_get(only, "search"), out);
+		write_search(only, out);
 		write_differences(json_array_get(json_object_get(only, "neighbours"), 0), out);
 	}
 	return whole;
