@@ -9,7 +9,8 @@
 
 #include "search.h"
 
-/* Sizes that are known, of the last snapshot and options asked for. Any number of threads may ask at once. */
+/* Sizes that are known, of the last snapshot and options asked for. It holds that snapshot: what is removed stays in memory
+ * until sizes of another are asked for. Any number of threads may ask at once. */
 typedef struct esk_neighbourhoods esk_neighbourhoods;
 
 esk_neighbourhoods *esk_neighbourhoods_new(void);

@@ -441,7 +441,7 @@ static void equal_distances_are_ordered_by_key(void **state)
 
 /* ---- scaled by neighbourhoods */
 
-enum { whole = 250, part = 200, shortlist = 40 };
+enum { whole = 110, part = 100, shortlist = 40 };
 
 /* The mean distance to the nearest 8 of the library but for the key. */
 static double neighbourhood(
@@ -516,7 +516,8 @@ static void scaled_distances_order_the_shortlist_by_neighbourhoods_in_the_whole_
 		few[n] = key_of(3 * n + 1);
 	for (int o = 0; o < combinations; o++) {
 		assert_scales(&s, 6, NULL, 0, o);
-		assert_scales(&s, 7, few, 20, o);
+		if (o % 5 == 0)
+			assert_scales(&s, 7, few, 20, o);
 	}
 	free_shelf(&s);
 }
