@@ -37,12 +37,11 @@ typedef struct {
 	const char *shape; /* an id */
 	size_t id_count;
 	char (*ids)[ESKEL_ID_SIZE];
-	int64_t cursor;                                   /* the key to go on after */
-	unsigned limit, level, levels, minimum;           /* 0: not given */
-	double keep;                                      /* 0: not given */
-	unsigned mode, signature, distance, metric, size; /* of the enums of eskel.h */
-	unsigned scale;
-	unsigned format;                                  /* ESK_FORMAT_... */
+	int64_t cursor;                                          /* the key to go on after */
+	unsigned limit, level, levels, minimum;                  /* 0: not given */
+	double keep;                                             /* 0: not given */
+	unsigned mode, scale, signature, distance, metric, size; /* of the enums of eskel.h */
+	unsigned format;                                         /* ESK_FORMAT_... */
 	unsigned explain;
 	unsigned leave_out; /* ESK_LEAVE_OUT_... (evaluation.h) */
 } esk_parameters;

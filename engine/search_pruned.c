@@ -285,7 +285,8 @@ eskel_status esk_search_pruned(esk_search *search)
 	if (good && w.count < search->participant_count)
 		end_step(&w);
 	for (uint32_t level = 2; good && step_keeps(&w, w.count) < w.count; level++) {
-		good = level == 2 && search->query.shape->level_count >= 2 ? take_second_step(&w) : take_step(&w, level);
+		good = level == 2 && search->query.shape->level_count >= 2 ? take_second_step(&w)
+									   : take_step(&w, level);
 		if (good)
 			end_step(&w);
 	}
