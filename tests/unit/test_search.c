@@ -482,10 +482,14 @@ static pair *scale_exhaustively(const shelf *s, size_t query, const int64_t *key
 
 static void assert_scales(const shelf *s, size_t query, const int64_t *keys, size_t key_count, int o)
 {
+	eskel_key_block *blocks = calloc(key_count + 1, sizeof *blocks);
+	size_t block_count = 0;
+	for (size_t i = 0; i < key_count; i++)
+		block_count = eskel_key_blocks_add(blocks, block_count, keys[i], 1);
 	const eskel_search_options options = {.distance = combination(o),
 		.scale = ESKEL_SCALE_NEIGHBOURHOOD,
-		.keys = keys,
-		.key_count = key_count,
+		.keys = keys ? blocks : NULL,
+		.key_block_count = block_count,
 		.leave_out = true,
 		.left_out_key = key_of(query)};
 	size_t count;
@@ -505,6 +509,7 @@ static void assert_scales(const shelf *s, size_t query, const int64_t *keys, siz
 	assert_int_equal(result->proven, result->library <= shortlist);
 	eskel_search_result_free(result);
 	free(expected);
+	free(blocks);
 }
 
 static void scaled_distances_order_the_shortlist_by_neighbourhoods_in_the_whole_library(void **state)
