@@ -1,27 +1,34 @@
-/* Handedness: is a shape like another one, or like its mirror image (section 5.5)?
- *
- * The verdict weighs how well b can be laid on a by a rotation against how well by a reflection (superposition.c). The
- * paper's determinants are reported beside it, and decide nothing: over signature-matched classes they agree with
- * anatomy in about three of four pairs of bones. */
+/* */
+#include "overlap.h"
 #include "placement.h"
 #include "superposition.h"
 
 #include <math.h>
 
-/* Above every wrong sign among 505 pairs of bones and brain regions (the worst was 0.046). */
 static const double least_score = 0.05;
-/* In cube roots of the volume, a level. Affines are rounded to float, so equal shapes may differ by 1e-7 or so in either
- * hand, and the ratio of two rounding errors means nothing. About what one voxel in a million changes. */
-static const double least_cost = 1e-6;
+static const double least_cost = 1e-10;
 
 static uint32_t at_most(uint32_t a, uint32_t b)
 {
 	return a < b ? a : b;
 }
 
-static void judge(uint32_t levels, eskel_chirality *c)
+/* The least over candidates of |f_a - f_b|^2 / (|f_a|^2 + |f_b|^2). */
+static double least_difference(
+	const eskel_placement *a, const eskel_placement *b, uint32_t level, const esk_lanes candidates[3][3])
 {
-	if (fmax(c->proper, c->improper) <= least_cost * levels)
+	double overlaps[ESK_LANES], greatest = 0;
+	double squares = a->overlap[level - 1] + b->overlap[level - 1];
+	size_t first = ESKEL_NODES(level - 1);
+	esk_overlap_find(&a->classes[first], &b->classes[first], level, candidates, overlaps);
+	for (int l = 0; l < ESK_LANES; l++)
+		greatest = fmax(greatest, overlaps[l]);
+	return fmax(squares - 2 * greatest, 0) / squares;
+}
+
+static void judge(eskel_chirality *c)
+{
+	if (fmax(c->proper, c->improper) <= least_cost)
 		return;
 	c->score = (c->improper - c->proper) / (c->improper + c->proper);
 	if (fabs(c->score) >= least_score)
@@ -41,8 +48,11 @@ eskel_status eskel_chirality_compare(const eskel_placement *a, const eskel_place
 		c.has_determinant = true;
 	}
 	if (levels >= ESK_SUPERPOSITION_FIRST_LEVEL) {
-		esk_superposition_costs(a->classes, b->classes, levels, &c.proper, &c.improper);
-		judge(levels - ESK_SUPERPOSITION_FIRST_LEVEL + 1, &c);
+		esk_candidate_poses candidates;
+		esk_superposition_candidates(a->classes, b->classes, levels, &candidates);
+		c.proper = least_difference(a, b, levels, (const esk_lanes(*)[3])candidates.proper);
+		c.improper = least_difference(a, b, levels, (const esk_lanes(*)[3])candidates.improper);
+		judge(&c);
 	}
 	*chirality = c;
 	return ESKEL_OK;

@@ -57,6 +57,34 @@ static inline float esk_elementary_exp(float x)
 	return p * power;
 }
 
+/* |x| < 700. Relative error below 1e-14. As esk_elementary_exp, in doubles. */
+static inline double esk_elementary_exp_double(double x)
+{
+	const double round = 0x1.8p52;
+	double shifted = x * 1.4426950408889634 + round, n = shifted - round;
+	double r = (x - n * 0x1.62e42fefap-1) + n * -0x1.cf79abc9e3b39p-40;
+	/* Taylor; the first term left out is r^12 / 12! < 7e-15. */
+	double p = 1.0 / 39916800;
+	p = p * r + 1.0 / 3628800;
+	p = p * r + 1.0 / 362880;
+	p = p * r + 1.0 / 40320;
+	p = p * r + 1.0 / 5040;
+	p = p * r + 1.0 / 720;
+	p = p * r + 1.0 / 120;
+	p = p * r + 1.0 / 24;
+	p = p * r + 1.0 / 6;
+	p = p * r + 0.5;
+	p = p * r + 1;
+	p = p * r + 1;
+	/* n is in the last bits of shifted, and what the others hold is shifted out. */
+	uint64_t bits, octaves;
+	memcpy(&bits, &shifted, sizeof bits);
+	octaves = (bits + 1023) << 52;
+	double power;
+	memcpy(&power, &octaves, sizeof power);
+	return p * power;
+}
+
 /* x positive and normal, |ln x| < 240. Two Newton steps take the relative error from 1e-6 to rounding. */
 static inline double esk_elementary_cbrt(double x)
 {

@@ -22,6 +22,11 @@ typedef struct {
  * it by a signed permutation of the axes. */
 void esk_natural_frame_place(const eskel_skeleton *skeleton, uint32_t level, esk_placed_class *classes);
 
+/* Places them in the same axes, stretched so that the variance along axis i becomes sqrt(variance) but for a common
+ * factor, and the volume stays 1. */
+eskel_status esk_natural_frame_place_stretched(
+	const eskel_skeleton *skeleton, uint32_t level, esk_placed_class *classes);
+
 /* The coordinates of a level in eight poses at once. */
 typedef struct {
 	esk_lanes at[ESK_PLACED_COORDINATES][ESK_PLACED_CLASSES_MAX]; /* those of the level's classes are set */

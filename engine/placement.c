@@ -1,12 +1,21 @@
 #include "placement.h"
 
 #include "memory.h"
+#include "overlap.h"
 
 #include <stdlib.h>
 
 static size_t size_of(uint32_t level_count)
 {
 	return sizeof(eskel_placement) + ESKEL_NODES(level_count) * sizeof(esk_placed_class);
+}
+
+static double overlap_with_itself(const esk_placed_class *classes, uint32_t count)
+{
+	static const esk_lanes identity[3][3] = {{{1}}, {{0}, {1}}, {{0}, {0}, {1}}};
+	double overlaps[ESK_LANES];
+	esk_overlap_find(classes, classes, count, identity, overlaps);
+	return overlaps[0];
 }
 
 eskel_status eskel_placement_new(const eskel_skeleton *skeleton, eskel_placement **placement)
@@ -18,13 +27,16 @@ eskel_status eskel_placement_new(const eskel_skeleton *skeleton, eskel_placement
 	if (!made)
 		return ESKEL_NO_MEMORY;
 	eskel_status status = esk_tetrahedra_init(&made->tetrahedra, skeleton);
+	made->level_count = levels;
+	for (uint32_t k = 1; !status && k <= levels; k++) {
+		esk_placed_class *classes = &made->classes[ESKEL_NODES(k - 1)];
+		status = esk_natural_frame_place_stretched(skeleton, k, classes);
+		made->overlap[k - 1] = overlap_with_itself(classes, k);
+	}
 	if (status != ESKEL_OK) {
 		eskel_placement_free(made);
 		return status;
 	}
-	made->level_count = levels;
-	for (uint32_t k = 1; k <= levels; k++)
-		esk_natural_frame_place(skeleton, k, &made->classes[ESKEL_NODES(k - 1)]);
 	*placement = made;
 	return ESKEL_OK;
 }

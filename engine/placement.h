@@ -8,7 +8,8 @@
 struct eskel_placement {
 	uint32_t level_count; /* of the skeleton, at most ESK_PLACED_CLASSES_MAX */
 	esk_tetrahedra tetrahedra;
-	esk_placed_class classes[]; /* class c of level k at ESKEL_NODES(k - 1) + c */
+	double overlap[ESK_PLACED_CLASSES_MAX]; /* of level k with itself at k - 1 */
+	esk_placed_class classes[]; /* stretched; class c of level k at ESKEL_NODES(k - 1) + c */
 };
 
 #endif

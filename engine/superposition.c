@@ -229,61 +229,54 @@ static void close_ranks(const double least[HANDS], const double *before, pose_se
 	}
 }
 
-/* Adds the least costs of a level, from these starts on. */
-static void add_least_costs(comparison *c, const pose_set *starts, double sums[HANDS])
+/* Remembers the poses of a group that are the best of their hand so far; the first of equals. */
+static void remember_best(const pose_set *poses, int group, double least[HANDS], double best[HANDS][3][3])
 {
-	pose_set poses = *starts;
+	for (int l = 0; l < ESK_LANES; l++) {
+		const int p = group * ESK_LANES + l, hand = poses->hand[p];
+		if (p >= poses->count || !(poses->cost[p] < least[hand]))
+			continue;
+		least[hand] = poses->cost[p];
+		for (int e = 0; e < 9; e++)
+			best[hand][e / 3][e % 3] = poses->orthogonal[group][e / 3][e % 3][l];
+	}
+}
+
+/* The best poses of a level. */
+static void find_best(comparison *c, double best[HANDS][3][3])
+{
+	pose_set poses;
 	double least[HANDS] = {INFINITY, INFINITY}, before[POSES_MAX];
+	init_poses(&poses);
 	for (int t = 0; t <= TURNS; t++) {
 		memcpy(before, poses.cost, sizeof before);
-		for (int p = 0; p < poses.count; p += ESK_LANES) {
-			esk_lanes(*orthogonal)[3] = poses.orthogonal[p / ESK_LANES];
-			compare(c, (const esk_lanes(*)[3])orthogonal, &poses.cost[p]);
+		for (int g = 0; g * ESK_LANES < poses.count; g++) {
+			esk_lanes(*orthogonal)[3] = poses.orthogonal[g];
+			compare(c, (const esk_lanes(*)[3])orthogonal, &poses.cost[g * ESK_LANES]);
+			remember_best(&poses, g, least, best);
 			if (t < TURNS)
 				superpose(c, orthogonal);
 		}
-		for (int p = 0; p < poses.count; p++)
-			least[poses.hand[p]] = fmin(least[poses.hand[p]], poses.cost[p]);
 		close_ranks(least, before, &poses);
 	}
-	for (int hand = 0; hand < HANDS; hand++)
-		sums[hand] += least[hand];
 }
 
-/* The most promising frames of each hand; the first of equals. */
-static void choose_starts(comparison *c, pose_set *starts)
-{
-	pose_set frames;
-	double costs[POSES_MAX];
-	init_poses(&frames);
-	for (int p = 0; p < frames.count; p += ESK_LANES)
-		compare(c, (const esk_lanes(*)[3])frames.orthogonal[p / ESK_LANES], &costs[p]);
-	*starts = (pose_set){0};
-	for (int hand = 0; hand < HANDS; hand++)
-		for (int s = 0; s < STARTS; s++) {
-			int best = hand * FRAMES;
-			for (int f = best + 1; f < (hand + 1) * FRAMES; f++)
-				if (costs[f] < costs[best])
-					best = f;
-			keep_pose(&frames, best, starts);
-			costs[best] = INFINITY;
-		}
-}
-
-void esk_superposition_costs(
-	const esk_placed_class *a, const esk_placed_class *b, uint32_t last, double *proper, double *improper)
+void esk_superposition_candidates(
+	const esk_placed_class *a, const esk_placed_class *b, uint32_t last, esk_candidate_poses *candidates)
 {
 	comparison c;
-	pose_set starts;
-	double sums[HANDS] = {0, 0};
-	begin_level(&c, a, b, last < START_LEVEL ? last : START_LEVEL);
-	choose_starts(&c, &starts);
-	for (uint32_t k = ESK_SUPERPOSITION_FIRST_LEVEL; k <= last; k++) {
-		begin_level(&c, a, b, k);
-		add_least_costs(&c, &starts, sums);
+	double best[HANDS][3][3];
+	for (uint32_t l = 0; l < ESK_LANES; l++) {
+		uint32_t level = ESK_SUPERPOSITION_FIRST_LEVEL + l;
+		if (level <= last) {
+			begin_level(&c, a, b, level);
+			find_best(&c, best);
+		}
+		for (int e = 0; e < 9; e++) {
+			candidates->proper[e / 3][e % 3][l] = best[0][e / 3][e % 3];
+			candidates->improper[e / 3][e % 3][l] = best[1][e / 3][e % 3];
+		}
 	}
-	*proper = sums[0];
-	*improper = sums[1];
 }
 
 /* Adds a level's costs in eight poses, and its correlation. */
