@@ -72,14 +72,14 @@ static void find_stretch(const eskel_node *whole, double stretch[3])
 /* The covariance from its square root, stretched, and the square root of that. */
 static eskel_status stretch_root(const double stretch[3], double root[6])
 {
-	const double s[3][3] = {{root[0], root[5] / sqrt2, root[4] / sqrt2}, {root[5] / sqrt2, root[1], root[3] / sqrt2},
-		{root[4] / sqrt2, root[3] / sqrt2, root[2]}};
+	const double s[3][3] = {{root[0], root[5] / sqrt2, root[4] / sqrt2},
+		{root[5] / sqrt2, root[1], root[3] / sqrt2}, {root[4] / sqrt2, root[3] / sqrt2, root[2]}};
 	double covariance[3][3];
 	esk_eigen eigen;
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 3; c++)
-			covariance[r][c] = (s[r][0] * s[0][c] + s[r][1] * s[1][c] + s[r][2] * s[2][c]) * stretch[r] *
-					   stretch[c];
+			covariance[r][c] =
+				(s[r][0] * s[0][c] + s[r][1] * s[1][c] + s[r][2] * s[2][c]) * stretch[r] * stretch[c];
 	eskel_status status = esk_eigen_symmetric((const double(*)[3])covariance, &eigen);
 	if (status)
 		return status;

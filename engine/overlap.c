@@ -73,12 +73,12 @@ ESK_EVERY_WIDTH static void add_terms(const esk_placed_class *a, const mixture *
 			const covariances *n = &of_b->wide[j];
 			double shares = a[i].share * b[j].share;
 			ESK_EACH_LANE (l)
-				sum[l] += shares * term(of_b->posed.at[0][j][l] - of_a->posed.at[0][i][l],
-							   of_b->posed.at[1][j][l] - of_a->posed.at[1][i][l],
-							   of_b->posed.at[2][j][l] - of_a->posed.at[2][i][l],
-							   m->xx[l] + n->xx[l], m->yy[l] + n->yy[l],
-							   m->zz[l] + n->zz[l], m->yz[l] + n->yz[l],
-							   m->zx[l] + n->zx[l], m->xy[l] + n->xy[l]);
+				sum[l] +=
+					shares * term(of_b->posed.at[0][j][l] - of_a->posed.at[0][i][l],
+							 of_b->posed.at[1][j][l] - of_a->posed.at[1][i][l],
+							 of_b->posed.at[2][j][l] - of_a->posed.at[2][i][l],
+							 m->xx[l] + n->xx[l], m->yy[l] + n->yy[l], m->zz[l] + n->zz[l],
+							 m->yz[l] + n->yz[l], m->zx[l] + n->zx[l], m->xy[l] + n->xy[l]);
 		}
 	}
 	memcpy(overlaps, sum, sizeof sum);

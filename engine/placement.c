@@ -10,11 +10,12 @@ static size_t size_of(uint32_t level_count)
 	return sizeof(eskel_placement) + ESKEL_NODES(level_count) * sizeof(esk_placed_class);
 }
 
-static double overlap_with_itself(const esk_placed_class *classes, uint32_t count)
+double esk_placement_overlap(const eskel_placement *placement, uint32_t level)
 {
-	static const esk_lanes identity[3][3] = {{{1}}, {{0}, {1}}, {{0}, {0}, {1}}};
+	static const esk_lanes identity[3][3] = {{{1}}, {{0}, {1}}, {{0}, {0}, {1}}}; /* in the first lane */
+	const esk_placed_class *classes = &placement->classes[ESKEL_NODES(level - 1)];
 	double overlaps[ESK_LANES];
-	esk_overlap_find(classes, classes, count, identity, overlaps);
+	esk_overlap_find(classes, classes, level, identity, overlaps);
 	return overlaps[0];
 }
 
@@ -28,15 +29,13 @@ eskel_status eskel_placement_new(const eskel_skeleton *skeleton, eskel_placement
 		return ESKEL_NO_MEMORY;
 	eskel_status status = esk_tetrahedra_init(&made->tetrahedra, skeleton);
 	made->level_count = levels;
-	for (uint32_t k = 1; !status && k <= levels; k++) {
-		esk_placed_class *classes = &made->classes[ESKEL_NODES(k - 1)];
-		status = esk_natural_frame_place_stretched(skeleton, k, classes);
-		made->overlap[k - 1] = overlap_with_itself(classes, k);
-	}
+	for (uint32_t k = 1; !status && k <= levels; k++)
+		status = esk_natural_frame_place_stretched(skeleton, k, &made->classes[ESKEL_NODES(k - 1)]);
 	if (status != ESKEL_OK) {
 		eskel_placement_free(made);
 		return status;
 	}
+	made->overlap = esk_placement_overlap(made, levels);
 	*placement = made;
 	return ESKEL_OK;
 }

@@ -464,8 +464,8 @@ typedef enum { ESKEL_CHIRALITY_UNDECIDED, ESKEL_CHIRALITY_SAME, ESKEL_CHIRALITY_
 
 typedef struct {
 	eskel_chirality_verdict verdict;
-	double score;                   /* (improper - proper) / (improper + proper), -1 to 1; > 0: same handedness */
-	double proper, improper;        /* least superposition costs, summed over levels */
+	double score;                   /* (improper - proper) / (improper + proper + 0.01); > 0: same handedness */
+	double proper, improper;        /* what is left apart when b is turned, or mirrored and turned, on a: 0 to 1 */
 	bool has_determinant;           /* both have a level of at least 4 */
 	uint32_t determinant_level;
 	double determinant[2];          /* section 5.5: of a's four classes, and of the four matched with them in b, mm^3 */

@@ -148,6 +148,72 @@ static void moving_a_level_equals_placing_it_in_other_axes(void **state)
 	eskel_skeleton_free(s);
 }
 
+/* The matrix of a class's square root. */
+static void matrix_of_root(const esk_placed_class *placed, double root[3][3])
+{
+	for (int r = 0; r < 3; r++) {
+		int s = (r + 1) % 3, t = (r + 2) % 3;
+		root[r][r] = placed->at[3 + r];
+		root[s][t] = root[t][s] = placed->at[6 + r] / sqrt(2);
+	}
+}
+
+/* Class by class: covariance entry (r, c) is that in the natural frame times stretch_r stretch_c. */
+static void a_stretched_class_has_the_stretched_covariance(void **state)
+{
+	(void)state;
+	eskel_skeleton *s = sample(6);
+	const double *variances = s->nodes->eigenvalues;
+	double stretch[3], mean = cbrt(pow(variances[0] * variances[1] * variances[2], -0.25));
+	for (int i = 0; i < 3; i++)
+		stretch[i] = pow(variances[i], -0.25) / mean;
+	esk_placed_class plain[levels], stretched[levels];
+	esk_natural_frame_place(s, levels, plain);
+	assert_int_equal(esk_natural_frame_place_stretched(s, levels, stretched), ESKEL_OK);
+	for (int k = 0; k < levels; k++) {
+		double root[3][3], stretched_root[3][3];
+		matrix_of_root(&plain[k], root);
+		matrix_of_root(&stretched[k], stretched_root);
+		assert_true(stretched[k].share == plain[k].share);
+		for (int r = 0; r < 3; r++) {
+			assert_true(fabs(stretched[k].at[r] - stretch[r] * plain[k].at[r]) < 1e-13);
+			for (int c = 0; c < 3; c++) {
+				double expected = 0, found = 0;
+				for (int i = 0; i < 3; i++) {
+					expected += stretch[r] * root[r][i] * root[i][c] * stretch[c];
+					found += stretched_root[r][i] * stretched_root[i][c];
+				}
+				if (!(fabs(found - expected) < 1e-13))
+					fail_msg("class %d (%d, %d): %g, expected %g", k, r, c, found, expected);
+			}
+		}
+	}
+	eskel_skeleton_free(s);
+}
+
+/* A variance below 2^-20 of the greatest one counts as that much, and its fourth root is 1/32. */
+static void flat_shapes_are_stretched_so_far_and_no_farther(void **state)
+{
+	(void)state;
+	for (int flat = 0; flat < 2; flat++) {
+		skeletons_blob blobs[blob_count];
+		const double nowhere[3] = {0}, flatten[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, flat ? 0 : 1e-4}};
+		skeletons_scatter(7, blobs, blob_count);
+		skeletons_move(flatten, nowhere, blobs, blob_count);
+		eskel_skeleton *s = skeletons_new(blobs, blob_count, levels, 0.5);
+		esk_placed_class plain[levels], stretched[levels];
+		esk_natural_frame_place(s, levels, plain);
+		assert_int_equal(esk_natural_frame_place_stretched(s, levels, stretched), ESKEL_OK);
+		double first = stretched[0].at[0] / plain[0].at[0];
+		for (int k = 0; k < levels; k++) {
+			double expected = 32 * first * plain[k].at[2];
+			if (!(fabs(stretched[k].at[2] - expected) < 1e-12))
+				fail_msg("class %d is at %g, expected %g", k, stretched[k].at[2], expected);
+		}
+		eskel_skeleton_free(s);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -155,6 +221,8 @@ int main(void)
 		cmocka_unit_test(the_whole_lies_at_the_origin_along_the_axes),
 		cmocka_unit_test(shares_of_a_level_sum_to_1),
 		cmocka_unit_test(moving_a_level_equals_placing_it_in_other_axes),
+		cmocka_unit_test(a_stretched_class_has_the_stretched_covariance),
+		cmocka_unit_test(flat_shapes_are_stretched_so_far_and_no_farther),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
