@@ -8,7 +8,7 @@
 enum { ROOT = 3 /* where the square root of the covariance starts */ };
 
 /* Variances below this share of the greatest one are stretched as if they were it: a flat shape has a variance of 0. The
- * fourth root of it, 1/32, is the most that an axis is shrunk against another. */
+ * fourth root of it is 1/32: no axis is stretched more than 32 times as much as another. */
 static const double least_variance = 0x1p-20;
 
 static const double sqrt2 = 1.4142135623730951;

@@ -28,10 +28,10 @@ ESK_IN_LANES void widen(const esk_posed_level *posed, uint32_t j, covariances *m
 	ESK_EACH_LANE (l) {
 		double xx = posed->at[3][j][l], yy = posed->at[4][j][l], zz = posed->at[5][j][l];
 		double yz = posed->at[6][j][l], zx = posed->at[7][j][l], xy = posed->at[8][j][l];
-		const double half = spread / 2, half_root = spread * 0.70710678118654752, floor = blur * blur;
-		m->xx[l] = spread * (xx * xx) + half * (xy * xy + zx * zx) + floor;
-		m->yy[l] = spread * (yy * yy) + half * (xy * xy + yz * yz) + floor;
-		m->zz[l] = spread * (zz * zz) + half * (zx * zx + yz * yz) + floor;
+		const double half = spread / 2, half_root = spread * 0.70710678118654752, least = blur * blur;
+		m->xx[l] = spread * (xx * xx) + half * (xy * xy + zx * zx) + least;
+		m->yy[l] = spread * (yy * yy) + half * (xy * xy + yz * yz) + least;
+		m->zz[l] = spread * (zz * zz) + half * (zx * zx + yz * yz) + least;
 		m->yz[l] = half_root * (yz * (yy + zz)) + half * (xy * zx);
 		m->zx[l] = half_root * (zx * (zz + xx)) + half * (xy * yz);
 		m->xy[l] = half_root * (xy * (xx + yy)) + half * (zx * yz);
