@@ -342,6 +342,27 @@ ESKEL_API size_t eskel_library_count(const eskel_library *library);
 ESKEL_API eskel_status eskel_library_distances(const eskel_library *library, const int64_t *rows, size_t row_count,
 	const int64_t *columns, size_t column_count, const eskel_distance_options *options, double *distances);
 
+/* A table of any size, computed as it is asked for, row by row, in pieces that need not end where a row does. The shapes
+ * are those of the library when the table was made, whatever becomes of them meanwhile. The result is the same for any
+ * pieces and threads. Of the same rows and columns each pair is computed once as far as pairs may be
+ * kept, and otherwise twice. */
+typedef struct eskel_distance_table eskel_distance_table;
+
+typedef struct {
+	eskel_distance_options distance;
+	uint32_t threads;               /* 0: one */
+	size_t most_kept;               /* pairs, 8 bytes each: all of the table or none; default 2^22, of 2895 shapes.
+	                                   Beside them a table takes 16 bytes a shape, and 6 MB while it computes */
+} eskel_distance_table_options;
+
+ESKEL_API eskel_status eskel_distance_table_new(const eskel_library *library, const int64_t *rows, size_t row_count,
+	const int64_t *columns, size_t column_count, const eskel_distance_table_options *options,
+	eskel_distance_table **table);
+ESKEL_API void eskel_distance_table_free(eskel_distance_table *table);
+/* The next distances, at most so many; *count is 0 after the last one. */
+ESKEL_API eskel_status eskel_distance_table_next(
+	eskel_distance_table *table, size_t most, double *distances, size_t *count);
+
 /* The same row by row, each as soon as it is there, in memory of a row a thread. */
 typedef struct {
 	eskel_distance_options distance;
@@ -449,6 +470,28 @@ ESKEL_API eskel_status eskel_evaluation_judge(const eskel_evaluation *evaluation
 	const double *distances, eskel_retrieval *retrieval);
 /* The means over the queries that have a relevant shape; returns how many these are. */
 ESKEL_API size_t eskel_retrieval_mean(const eskel_retrieval *retrievals, size_t count, eskel_retrieval *mean);
+/* ---------------------------------------------------------------------------------------------- pictures of distances */
+
+/* Both take distances[count * count], symmetric with a zero diagonal. */
+
+/* Two clusters become one. Those of the shapes are 0 .. count - 1, that of step s is count + s. */
+typedef struct {
+	uint32_t first, second;     /* clusters, first < second */
+	double height;              /* mean distance between their shapes */
+	uint32_t size;              /* shapes of both */
+} eskel_merge;
+
+/* Hierarchical clustering by average linkage: merges[count - 1], of ascending height. Of equal distances those of the
+ * shapes that come first count. O(count^2). */
+ESKEL_API eskel_status eskel_clustering(const double *distances, size_t count, eskel_merge *merges);
+/* The shapes from one end of the tree to the other, order[count]: of two clusters the one of lower height comes first,
+ * of equal ones the one with the lower number. */
+ESKEL_API eskel_status eskel_clustering_order(const eskel_merge *merges, size_t count, uint32_t *order);
+
+/* Classical scaling: points[count] in the plane whose distances resemble the given ones best, in their unit. Centred;
+ * the first coordinate has the larger spread; of each the first value that is at least 0.65 of the largest one is
+ * positive. A coordinate without spread is 0. */
+ESKEL_API eskel_status eskel_scaling(const double *distances, size_t count, double (*points)[2]);
 
 /* ---------------------------------------------------------------------------------------------- chirality */
 
