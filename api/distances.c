@@ -1,6 +1,11 @@
-/* GET /distances: every pair of the shapes that are named or that a filter leaves. */
+/* GET /distances: the distances of rows to columns, each side the shapes that are named or that a filter leaves.
+ *
+ * A matrix is computed and written a piece at a time. A small one is answered whole; of a larger one the body is
+ * streamed, so that neither side of it needs to fit into memory: what is kept are the names and the piece. A picture
+ * (picture.h) needs the whole matrix and has a limit. */
 #include "exchange.h"
-#include "matrix_text.h"
+#include "matrix.h"
+#include "picture.h"
 #include "resources.h"
 
 #include <inttypes.h>
@@ -11,6 +16,49 @@
  * waited for; so many in a row do not happen to an honest client. */
 #define MOST_ATTEMPTS 8
 
+enum {
+	PIECE = 1 << 15, /* cells: a third of a second of one processor, so that a client that is gone is soon noticed
+				  and others get their turn */
+	MOST_SHAPES = 100000, /* on a side: 20 MB of names */
+};
+
+/* ---------------------------------------------------------------------------------------------- the format */
+
+static const struct {
+	const char *media_type;
+	unsigned format;
+} media_types[] = {
+	{"application/json", ESK_FORMAT_JSON},
+	{"text/csv", ESK_FORMAT_CSV},
+	{"application/x-npy", ESK_FORMAT_NPY},
+	{"application/octet-stream", ESK_FORMAT_NPY},
+	{"image/svg+xml", ESK_FORMAT_SVG},
+};
+
+/* The format that is asked for, else the first above that the client mentions. */
+static unsigned choose_format(const eskel_exchange *exchange)
+{
+	const char *accept = esk_exchange_request_header(exchange, "Accept");
+	if (exchange->query.format != ESK_FORMAT_UNSAID)
+		return exchange->query.format;
+	for (size_t i = 0; accept && i < sizeof media_types / sizeof *media_types; i++)
+		if (strstr(accept, media_types[i].media_type))
+			return media_types[i].format;
+	return ESK_FORMAT_JSON;
+}
+
+static bool check_columns(eskel_exchange *exchange)
+{
+	const esk_parameters *columns = exchange->query.columns;
+	if (!columns)
+		return true;
+	const eskel_filter filter = esk_parameters_filter(columns);
+	if (!eskel_filter_is_none(&filter) + (columns->id_count > 0) + columns->all <= 1)
+		return true;
+	return esk_problem_set(&exchange->problem, 400,
+		"columns are chosen in two ways, expected one of columns=all, columns.id and a filter");
+}
+
 bool esk_distances_check(eskel_exchange *exchange)
 {
 	const esk_parameters *query = &exchange->query;
@@ -20,75 +68,80 @@ bool esk_distances_check(eskel_exchange *exchange)
 	if (query->level && query->distance != ESKEL_DISTANCE_LEVEL)
 		return esk_problem_set(&exchange->problem, 400,
 			"level is %u without a use, expected distance=level beside it", query->level);
-	return true;
+	if (query->plot != ESK_PLOT_UNSAID && choose_format(exchange) != ESK_FORMAT_SVG)
+		return esk_problem_set(
+			&exchange->problem, 400, "plot is given without a use, expected format=svg beside it");
+	return check_columns(exchange);
 }
 
-static bool check_count(eskel_exchange *exchange, uint64_t count, const char *more)
+/* ---------------------------------------------------------------------------------------------- the matrix */
+
+typedef struct {
+	esk_matrix matrix;
+	eskel_distance_table *table;
+	const esk_matrix_format *format;
+	size_t cell, cell_count; /* written so far; in all */
+	bool begun, ended;
+	double *distances; /* [PIECE] */
+} source;
+
+static void clear_matrix(source *s)
 {
-	uint64_t most = exchange->api->options.most_distances;
-	if (count == 0 || count <= most / count)
-		return true;
-	return esk_problem_set(&exchange->problem, 413,
-		"%s%" PRIu64 " shapes are %s%" PRIu64 " distances, expected at most %" PRIu64, more, count, more,
-		count * count, most);
+	eskel_distance_table_free(s->table);
+	esk_selection_clear(&s->matrix.rows);
+	esk_selection_clear(&s->matrix.others);
+	s->table = NULL;
+	s->matrix = (esk_matrix){0};
 }
 
-static bool read_named(eskel_exchange *exchange, esk_matrix *matrix)
+static void free_source(void *context)
+{
+	source *s = context;
+	clear_matrix(s);
+	free(s->distances);
+	free(s);
+}
+
+static bool read_matrix(eskel_exchange *exchange, esk_matrix *matrix)
 {
 	const esk_parameters *query = &exchange->query;
-	if (!check_count(exchange, query->id_count, ""))
-		return false;
-	matrix->shapes = calloc(query->id_count, sizeof *matrix->shapes);
-	if (!matrix->shapes)
-		return esk_problem_no_memory(&exchange->problem);
-	for (; matrix->count < query->id_count; matrix->count++)
-		if (!esk_shape_of_id(exchange, query->ids[matrix->count], &matrix->shapes[matrix->count]))
-			return false;
-	return true;
+	matrix->square = !query->columns;
+	return esk_selection_read(exchange, query, MOST_SHAPES, &matrix->rows) &&
+	       (matrix->square || esk_selection_read(exchange, query->columns, MOST_SHAPES, &matrix->others));
 }
 
-/* The most shapes whose matrix is within the limit. */
-static size_t most_shapes(const eskel_exchange *exchange)
+static eskel_status open_table(const eskel_exchange *exchange, const int64_t *rows, size_t row_count,
+	const int64_t *columns, size_t column_count, eskel_distance_table **table)
 {
-	size_t most = 1;
-	while ((uint64_t)(most + 1) * (most + 1) <= exchange->api->options.most_distances)
-		most++;
-	return most;
+	const eskel_distance_table_options options = {
+		.distance = esk_parameters_distance(&exchange->query), .threads = ESKEL_THREADS_ONLINE};
+	return eskel_distance_table_new(
+		exchange->api->library, rows, row_count, columns, column_count, &options, table);
 }
 
-static bool read_filtered(eskel_exchange *exchange, esk_matrix *matrix)
+/* For a picture every two of rows and columns together. */
+static eskel_status open_drawn_table(const eskel_exchange *exchange, source *s)
 {
-	const eskel_filter filter = esk_parameters_filter(&exchange->query);
-	eskel_store_error error = {0};
-	bool more = false;
-	eskel_store_status status = eskel_store_list(exchange->api->store, &filter, 0, most_shapes(exchange),
-		&matrix->shapes, &matrix->count, &more, &error);
-	if (!esk_problem_store(&exchange->problem, status, &error))
-		return false;
-	return !more || check_count(exchange, (uint64_t)matrix->count + 1, "at least ");
-}
-
-static void clear(esk_matrix *matrix)
-{
-	eskel_shapes_free(matrix->shapes, matrix->count);
-	free(matrix->distances);
-	*matrix = (esk_matrix){0};
-}
-
-static bool compute(eskel_exchange *exchange, esk_matrix *matrix, eskel_status *status)
-{
-	const eskel_distance_options options = esk_parameters_distance(&exchange->query);
-	size_t count = matrix->count;
+	const esk_selection *rows = &s->matrix.rows, *others = &s->matrix.others;
+	const size_t count = rows->count + others->count;
 	int64_t *keys = calloc(count + 1, sizeof *keys);
-	matrix->distances = calloc(count * count + 1, sizeof *matrix->distances);
-	*status = ESKEL_NO_MEMORY;
-	for (size_t i = 0; keys && i < count; i++)
-		keys[i] = matrix->shapes[i].key;
-	if (keys && matrix->distances)
-		*status = eskel_library_distances(
-			exchange->api->library, keys, count, keys, count, &options, matrix->distances);
+	if (!keys)
+		return ESKEL_NO_MEMORY;
+	if (rows->count > 0)
+		memcpy(keys, rows->keys, rows->count * sizeof *keys);
+	if (others->count > 0)
+		memcpy(keys + rows->count, others->keys, others->count * sizeof *keys);
+	eskel_status status = open_table(exchange, keys, count, keys, count, &s->table);
 	free(keys);
-	return *status == ESKEL_NOT_FOUND || esk_problem_engine(&exchange->problem, *status, NULL);
+	s->cell_count = count * count;
+	return status;
+}
+
+static eskel_status open_written_table(const eskel_exchange *exchange, source *s)
+{
+	const esk_selection *rows = &s->matrix.rows, *columns = esk_matrix_columns(&s->matrix);
+	s->cell_count = rows->count * columns->count;
+	return open_table(exchange, rows->keys, rows->count, columns->keys, columns->count, &s->table);
 }
 
 /* Whoever holds the lock alone knows that no change is under way. */
@@ -98,49 +151,133 @@ static void wait_for_changes(eskel_api *api)
 	pthread_rwlock_unlock(&api->changing);
 }
 
-static bool make(eskel_exchange *exchange, esk_matrix *matrix)
+static bool open_source(eskel_exchange *exchange, source *s)
 {
 	eskel_status status = ESKEL_NOT_FOUND;
 	for (int attempt = 0; attempt < MOST_ATTEMPTS && status == ESKEL_NOT_FOUND; attempt++) {
-		clear(matrix);
+		clear_matrix(s);
 		if (attempt > 0)
 			wait_for_changes(exchange->api);
-		bool read =
-			exchange->query.id_count > 0 ? read_named(exchange, matrix) : read_filtered(exchange, matrix);
-		if (!read || !compute(exchange, matrix, &status))
+		if (!read_matrix(exchange, &s->matrix))
 			return false;
+		status = s->format ? open_written_table(exchange, s) : open_drawn_table(exchange, s);
 	}
-	return status == ESKEL_OK ||
-	       esk_problem_set(&exchange->problem, 503, "the shapes keep changing; try again later");
+	if (status == ESKEL_NOT_FOUND)
+		return esk_problem_set(&exchange->problem, 503, "the shapes keep changing; try again later");
+	return esk_problem_engine(&exchange->problem, status, NULL);
 }
 
-/* The format that is asked for, else CSV for a client that accepts it and does not mention JSON. */
-static bool wants_csv(const eskel_exchange *exchange)
+/* ---------------------------------------------------------------------------------------------- as text or numbers */
+
+/* An esk_stream's. */
+static bool next(void *context, esk_text *piece)
 {
-	const char *accept = esk_exchange_request_header(exchange, "Accept");
-	if (exchange->query.format != ESK_FORMAT_UNSAID)
-		return exchange->query.format == ESK_FORMAT_CSV;
-	return accept && strstr(accept, "text/csv") && !strstr(accept, "application/json");
+	source *s = context;
+	size_t count = 0;
+	if (!s->begun) {
+		s->format->begin(piece, &s->matrix);
+		s->begun = true;
+	} else if (s->cell < s->cell_count) {
+		if (eskel_distance_table_next(s->table, PIECE, s->distances, &count))
+			return false;
+		s->format->cells(piece, &s->matrix, s->cell, s->distances, count);
+		s->cell += count;
+	} else if (!s->ended) {
+		s->format->end(piece, &s->matrix);
+		s->ended = true;
+	}
+	return !piece->failed;
 }
 
-static bool answer(eskel_exchange *exchange, const esk_matrix *matrix)
+static bool answer_whole(eskel_exchange *exchange, source *s)
+{
+	esk_text body = {0};
+	bool good = true;
+	while (good && !s->ended)
+		good = next(s, &body);
+	if (good)
+		return esk_exchange_answer(exchange, 200, s->format->content_type, body.bytes, body.size);
+	free(body.bytes);
+	return esk_problem_no_memory(&exchange->problem);
+}
+
+/* Takes the source. */
+static bool answer_streamed(eskel_exchange *exchange, source *s)
+{
+	const esk_stream stream = {next, free_source, s};
+	size_t size = ESKEL_SIZE_UNKNOWN;
+	if (s->format->cell_size > 0) {
+		esk_text head = {0};
+		s->format->begin(&head, &s->matrix);
+		size = head.size + s->cell_count * s->format->cell_size;
+		free(head.bytes);
+	}
+	return esk_exchange_answer_stream(exchange, 200, s->format->content_type, size, &stream);
+}
+
+/* Takes the source in any case. */
+static bool answer_written(eskel_exchange *exchange, source *s)
+{
+	const size_t columns = esk_matrix_columns(&s->matrix)->count;
+	s->distances = calloc(PIECE, sizeof *s->distances);
+	bool good = s->distances || esk_problem_no_memory(&exchange->problem);
+	good = good && esk_exchange_add_header(exchange, "Eskel-Rows", "%zu", s->matrix.rows.count) &&
+	       esk_exchange_add_header(exchange, "Eskel-Columns", "%zu", columns);
+	if (good && s->cell_count > PIECE)
+		return answer_streamed(exchange, s);
+	good = good && answer_whole(exchange, s);
+	free_source(s);
+	return good;
+}
+
+/* ---------------------------------------------------------------------------------------------- as a picture */
+
+static bool draw(eskel_exchange *exchange, source *s, esk_text *text)
+{
+	const size_t count = s->matrix.rows.count + s->matrix.others.count;
+	const uint64_t most = exchange->api->options.most_distances;
+	if (s->cell_count > most)
+		return esk_problem_set(&exchange->problem, 413,
+			"a picture of %zu shapes needs %zu distances, expected at most %" PRIu64, count, s->cell_count,
+			most);
+	double *distances = calloc(s->cell_count + 1, sizeof *distances);
+	eskel_status status = distances ? ESKEL_OK : ESKEL_NO_MEMORY;
+	for (size_t done = 0, more = 1; status == ESKEL_OK && more > 0; done += more)
+		status = eskel_distance_table_next(s->table, SIZE_MAX, distances + done, &more);
+	if (status == ESKEL_OK)
+		status = (exchange->query.plot == ESK_PLOT_MAP ? esk_picture_map : esk_picture_heatmap)(
+			text, &s->matrix, distances);
+	free(distances);
+	return esk_problem_engine(&exchange->problem, status, NULL);
+}
+
+/* Takes the source. */
+static bool answer_drawn(eskel_exchange *exchange, source *s)
 {
 	esk_text text = {0};
-	bool csv = wants_csv(exchange);
-	(csv ? esk_matrix_csv : esk_matrix_json)(&text, matrix);
-	if (text.failed) {
-		free(text.bytes);
-		return esk_problem_no_memory(&exchange->problem);
-	}
-	return esk_exchange_answer(
-		exchange, 200, csv ? "text/csv; charset=utf-8" : "application/json", text.bytes, text.size);
+	bool good = draw(exchange, s, &text) && (!text.failed || esk_problem_no_memory(&exchange->problem));
+	free_source(s);
+	if (good)
+		return esk_exchange_answer(exchange, 200, "image/svg+xml", text.bytes, text.size);
+	free(text.bytes);
+	return false;
 }
 
 bool esk_distances_get(eskel_exchange *exchange)
 {
-	esk_matrix matrix = {0};
-	bool good = make(exchange, &matrix) && esk_exchange_add_header(exchange, "Vary", "Accept") &&
-		    answer(exchange, &matrix);
-	clear(&matrix);
-	return good;
+	static const esk_matrix_format *const formats[] = {
+		[ESK_FORMAT_JSON] = &esk_matrix_json,
+		[ESK_FORMAT_CSV] = &esk_matrix_csv,
+		[ESK_FORMAT_NPY] = &esk_matrix_npy,
+		[ESK_FORMAT_SVG] = NULL,
+	};
+	source *s = calloc(1, sizeof *s);
+	if (!s)
+		return esk_problem_no_memory(&exchange->problem);
+	s->format = formats[choose_format(exchange)];
+	if (!open_source(exchange, s) || !esk_exchange_add_header(exchange, "Vary", "Accept")) {
+		free_source(s);
+		return false;
+	}
+	return s->format ? answer_written(exchange, s) : answer_drawn(exchange, s);
 }

@@ -42,6 +42,26 @@ bool esk_exchange_answer_nothing(eskel_exchange *exchange, int status)
 	return exchange->settled = true;
 }
 
+bool esk_exchange_answer_stream(
+	eskel_exchange *exchange, int status, const char *content_type, size_t size, const esk_stream *stream)
+{
+	exchange->stream = *stream;
+	exchange->response.content_type = content_type;
+	exchange->response.size = size;
+	exchange->response.streamed = true;
+	return esk_exchange_answer_nothing(exchange, status);
+}
+
+bool eskel_exchange_next(eskel_exchange *exchange, const void **bytes, size_t *size)
+{
+	exchange->piece.size = 0;
+	if (!exchange->stream.next(exchange->stream.source, &exchange->piece) || exchange->piece.failed)
+		return false;
+	*bytes = exchange->piece.bytes;
+	*size = exchange->piece.size;
+	return true;
+}
+
 bool esk_exchange_add_header(eskel_exchange *exchange, const char *name, const char *format, ...)
 {
 	size_t *count = &exchange->response.header_count;
@@ -124,6 +144,9 @@ void eskel_exchange_free(eskel_exchange *exchange)
 	eskel_volume_free(exchange->volume);
 	free(exchange->json.bytes);
 	free(exchange->response_body);
+	if (exchange->stream.free)
+		exchange->stream.free(exchange->stream.source);
+	free(exchange->piece.bytes);
 	free(exchange->actor);
 	free(exchange->id);
 	free(exchange);

@@ -11,6 +11,14 @@
 
 #define ESK_RESPONSE_HEADERS 4
 
+/* What a body comes from that is not made at once. */
+typedef struct {
+	bool (*next)(
+		void *source, esk_text *piece); /* appends the next piece, nothing at the end; false: memory ran out */
+	void (*free)(void *source);
+	void *source;
+} esk_stream;
+
 struct eskel_exchange {
 	eskel_api *api;
 	const esk_route *route; /* NULL: the path is unknown */
@@ -30,6 +38,8 @@ struct eskel_exchange {
 	eskel_response response;
 	eskel_field response_headers[ESK_RESPONSE_HEADERS];
 	char *response_body;
+	esk_stream stream; /* of a streamed body; all NULL without */
+	esk_text piece;    /* of it, that was taken last */
 };
 
 /* Decides what the head alone can (admission.c): answers OPTIONS, refuses with the problem and false, or makes the exchange
@@ -47,6 +57,10 @@ const char *esk_exchange_request_header(const eskel_exchange *exchange, const ch
 bool esk_exchange_answer(eskel_exchange *exchange, int status, const char *content_type, char *body, size_t size);
 bool esk_exchange_answer_json(eskel_exchange *exchange, int status, json_t *body);
 bool esk_exchange_answer_nothing(eskel_exchange *exchange, int status);
+
+/* Settles the response with a body that is streamed. Takes the stream. */
+bool esk_exchange_answer_stream(
+	eskel_exchange *exchange, int status, const char *content_type, size_t size, const esk_stream *stream);
 
 /* Adds a header to the response to come; name is static. */
 bool esk_exchange_add_header(eskel_exchange *exchange, const char *name, const char *format, ...)

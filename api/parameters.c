@@ -81,7 +81,7 @@ static bool take_choice(void *target, const argument *given, esk_problem *proble
 static bool take_attribute(void *target, const argument *given, esk_problem *problem)
 {
 	esk_parameters *query = target;
-	const char *key = given->name + strlen("attr.");
+	const char *key = strstr(given->name, "attr.") + strlen("attr.");
 	if (!esk_value_text("an attribute's key", key, ESK_ATTRIBUTE_KEY_MOST, problem) ||
 		!esk_value_text(given->name, given->value, ESK_TEXT_MOST, problem))
 		return false;
@@ -174,13 +174,38 @@ static bool take_ids(void *target, const argument *given, esk_problem *problem)
 			memcpy(id, rest, size);
 		if (!esk_value_is_id(id))
 			return esk_problem_set(problem, 400,
-				"id has \"%.*s\", expected " ESK_ID_EXPECTED ", several with commas between",
-				(int)(size < 60 ? size : 60), rest);
+				"%s has \"%.*s\", expected " ESK_ID_EXPECTED ", several with commas between",
+				given->name, (int)(size < 60 ? size : 60), rest);
 		query->id_count++;
 		rest += size;
 		if (!*rest)
 			return true;
 	}
+}
+
+static void set_unsaid(esk_parameters *query)
+{
+	query->age = query->age_min = query->age_max = NAN;
+	query->format = ESK_FORMAT_UNSAID;
+	query->plot = ESK_PLOT_UNSAID;
+}
+
+/* NULL when memory ran out. */
+static esk_parameters *columns_of(esk_parameters *query)
+{
+	if (!query->columns && (query->columns = calloc(1, sizeof *query->columns)))
+		set_unsaid(query->columns);
+	return query->columns;
+}
+
+static bool take_columns(void *target, const argument *given, esk_problem *problem)
+{
+	esk_parameters *columns = columns_of(target);
+	unsigned index;
+	if (!columns)
+		return esk_problem_no_memory(problem);
+	columns->all = true;
+	return esk_value_choice(given->name, given->value, given->row->choices, &index, problem);
 }
 
 static bool take_cursor(void *target, const argument *given, esk_problem *problem)
@@ -203,7 +228,9 @@ static const char *const metrics[] = {"manhattan", "euclidean", "root", NULL};
 static const char *const scales[] = {"none", "neighbourhood", NULL};
 static const char *const sizes[] = {"fixed", "free", NULL};
 static const char *const left_out[] = {"shape", "subject", NULL};
-static const char *const formats[] = {"json", "csv", NULL};
+static const char *const formats[] = {"json", "csv", "npy", "svg", NULL};
+static const char *const plots[] = {"heatmap", "map", NULL};
+static const char *const everything[] = {"all", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 
 #define FIELD(member) .field = offsetof(esk_parameters, member)
@@ -215,6 +242,7 @@ static const struct parameter parameters[] = {
 	{.name = "age_min", .take = take_years, FIELD(age_min)},
 	{.name = "attr.KEY", .take = take_attribute},
 	{.name = "class", .take = take_class, FIELD(class)},
+	{.name = "columns", .take = take_columns, .choices = everything},
 	{.name = "cursor", .take = take_cursor, FIELD(cursor)},
 	{.name = "distance", .take = take_choice, FIELD(distance), .choices = distances},
 	{.name = "explain", .take = take_choice, FIELD(explain), .choices = answers},
@@ -234,6 +262,7 @@ static const struct parameter parameters[] = {
 	{.name = "mode", .take = take_choice, FIELD(mode), .choices = modes},
 	{.name = "name", .take = take_text, FIELD(name)},
 	{.name = "not.subject", .take = take_text, FIELD(not_subject)},
+	{.name = "plot", .take = take_choice, FIELD(plot), .choices = plots},
 	{.name = "q", .take = take_text, FIELD(text)},
 	{.name = "scale", .take = take_choice, FIELD(scale), .choices = scales},
 	{.name = "sex", .take = take_sex, FIELD(sex)},
@@ -247,8 +276,9 @@ static const struct parameter parameters[] = {
 /* attr.KEY fits any key, label.N.name any number in place of N. */
 static bool name_fits(const char *pattern, const char *name)
 {
-	if (strcmp(pattern, "attr.KEY") == 0)
-		return strncmp(name, "attr.", 5) == 0;
+	const char *key = strstr(pattern, "KEY");
+	if (key)
+		return strncmp(name, pattern, (size_t)(key - pattern)) == 0;
 	if (strncmp(pattern, "label.N.", 8) != 0)
 		return strcmp(pattern, name) == 0;
 	if (strncmp(name, "label.", 6) != 0)
@@ -268,7 +298,7 @@ static const struct parameter *find_parameter(const char *pattern)
 
 static bool refuse_name(const char *const *allowed, const char *name, esk_problem *problem)
 {
-	char known[400] = "";
+	char known[600] = "";
 	for (size_t used = 0; *allowed; allowed++, used = strlen(known))
 		snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", *allowed);
 	if (!known[0])
@@ -289,34 +319,47 @@ static int compare_attributes(const void *a, const void *b)
 	return strcmp(((const eskel_attribute *)a)->key, ((const eskel_attribute *)b)->key);
 }
 
+#define COLUMNS "columns."
+
+static bool take_field(
+	esk_parameters *query, const char *const *allowed, const eskel_field *field, bool again, esk_problem *problem)
+{
+	const char *const *pattern = allowed;
+	while (*pattern && !name_fits(*pattern, field->name))
+		pattern++;
+	if (!*pattern)
+		return refuse_name(allowed, field->name, problem);
+	const bool of_columns = strncmp(*pattern, COLUMNS, strlen(COLUMNS)) == 0;
+	const struct parameter *row = find_parameter(*pattern + (of_columns ? strlen(COLUMNS) : 0));
+	esk_parameters *target = of_columns ? columns_of(query) : query;
+	if (!target)
+		return esk_problem_no_memory(problem);
+	if (again && !row->repeatable)
+		return esk_problem_set(problem, 400, "%.60s is given twice, expected once", field->name);
+	return row->take((char *)target + row->field, &(argument){row, field->name, field->value}, problem);
+}
+
+static bool settle(esk_parameters *query, const char *prefix, esk_problem *problem)
+{
+	if (query->attribute_count > 0)
+		qsort(query->attributes, query->attribute_count, sizeof *query->attributes, compare_attributes);
+	if (query->age_min > query->age_max)
+		return esk_problem_set(problem, 400, "%sage_min is %g, expected at most %sage_max, %g", prefix,
+			query->age_min, prefix, query->age_max);
+	return true;
+}
+
 bool esk_parameters_parse(esk_parameters *query, const char *const *allowed, const eskel_field *fields, size_t count,
 	esk_problem *problem)
 {
 	if (count > MOST_PARAMETERS)
 		return esk_problem_set(
 			problem, 400, "the query has %zu parameters, expected at most %d", count, MOST_PARAMETERS);
-	query->age = query->age_min = query->age_max = NAN;
-	query->format = ESK_FORMAT_UNSAID;
-	for (size_t i = 0; i < count; i++) {
-		const char *name = fields[i].name;
-		const char *const *pattern = allowed;
-		while (*pattern && !name_fits(*pattern, name))
-			pattern++;
-		if (!*pattern)
-			return refuse_name(allowed, name, problem);
-		const struct parameter *row = find_parameter(*pattern);
-		if (!row->repeatable && given_before(fields, i))
-			return esk_problem_set(problem, 400, "%.60s is given twice, expected once", name);
-		const argument given = {row, name, fields[i].value};
-		if (!row->take((char *)query + row->field, &given, problem))
+	set_unsaid(query);
+	for (size_t i = 0; i < count; i++)
+		if (!take_field(query, allowed, &fields[i], given_before(fields, i), problem))
 			return false;
-	}
-	if (query->attribute_count > 0)
-		qsort(query->attributes, query->attribute_count, sizeof *query->attributes, compare_attributes);
-	if (query->age_min > query->age_max)
-		return esk_problem_set(
-			problem, 400, "age_min is %g, expected at most age_max, %g", query->age_min, query->age_max);
-	return true;
+	return settle(query, "", problem) && (!query->columns || settle(query->columns, COLUMNS, problem));
 }
 
 void esk_parameters_clear(esk_parameters *query)
@@ -329,6 +372,9 @@ void esk_parameters_clear(esk_parameters *query)
 	free(query->labels);
 	free(query->words);
 	free(query->ids);
+	if (query->columns)
+		esk_parameters_clear(query->columns);
+	free(query->columns);
 	*query = (esk_parameters){0};
 }
 

@@ -15,9 +15,10 @@ typedef struct {
 	eskel_side side;
 } esk_label_words;
 
-enum { ESK_FORMAT_JSON, ESK_FORMAT_CSV, ESK_FORMAT_UNSAID };
+enum { ESK_FORMAT_JSON, ESK_FORMAT_CSV, ESK_FORMAT_NPY, ESK_FORMAT_SVG, ESK_FORMAT_UNSAID };
+enum { ESK_PLOT_HEATMAP, ESK_PLOT_MAP, ESK_PLOT_UNSAID };
 
-typedef struct {
+typedef struct esk_parameters {
 	/* said of shapes: a description where shapes are posted, a condition where they are chosen */
 	const char *name, *subject, *not_subject, *text;
 	char class[ESK_TEXT_MOST + 1];
@@ -42,11 +43,15 @@ typedef struct {
 	double keep;                                             /* 0: not given */
 	unsigned mode, scale, signature, distance, metric, size; /* of the enums of eskel.h */
 	unsigned format;                                         /* ESK_FORMAT_... */
+	unsigned plot;                                           /* ESK_PLOT_... */
 	unsigned explain;
 	unsigned leave_out; /* ESK_LEAVE_OUT_... (evaluation.h) */
+	struct esk_parameters *columns; /* what columns.NAME says, as NAME does here; NULL: nothing */
+	bool all;                       /* of columns: columns=all was given */
 } esk_parameters;
 
-/* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families. A name
+/* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families, and a name
+ * after "columns." is one of the parameters of columns. A name
  * that is not allowed is refused with those that are, a value out of its range with the range, a second value of a
  * parameter that takes one. The query must be clear (all zero) before; clear it also after a failure. */
 bool esk_parameters_parse(esk_parameters *query, const char *const *allowed, const eskel_field *fields, size_t count,

@@ -21,7 +21,10 @@ static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
 static const char *const evaluation[] = {FILTER, DISTANCE, "leave_out", NULL};
 static const char *const check[] = {LABELS, "name", "mode", DISTANCE, "not.subject", FILTER, NULL};
-static const char *const distances[] = {"id", FILTER, DISTANCE, "format", NULL};
+#define COLUMNS \
+	"columns", "columns.id", "columns.class", "columns.side", "columns.subject", "columns.sex", "columns.age_min", \
+		"columns.age_max", "columns.attr.KEY", "columns.q"
+static const char *const distances[] = {"id", FILTER, COLUMNS, DISTANCE, "format", "plot", NULL};
 
 #define READ ESKEL_ROLE_READ
 #define WRITE ESKEL_ROLE_WRITE

@@ -4,6 +4,7 @@
  * the bytes arrive, finishes it (the work is done here) and sends the response:
  *
  *     eskel_api_begin -> [eskel_exchange_response early?] -> eskel_exchange_feed* -> eskel_exchange_finish -> response
+ *     [-> eskel_exchange_next* when its body is streamed]
  *
  * A volume is decoded while it is fed; nothing keeps a whole body but the small JSON ones. Every refusal is
  * application/problem+json (RFC 9457) with one sentence that names the offending and the expected value.
@@ -21,7 +22,7 @@ typedef struct {
 	uint64_t most_voxels;            /* of its grid; default 2^31 */
 	uint64_t most_runs;              /* of all its labels together; default 2^24: work takes up to 150 bytes a run */
 	uint32_t most_labels;            /* in one request; default 1024 */
-	uint64_t most_distances;         /* cells of one matrix; default 4 million */
+	uint64_t most_distances;         /* cells of a matrix that is drawn; default 4 million */
 	uint64_t most_known_bytes;       /* of shapes that recognitions have read, 20 kB each; default 2 GiB */
 	eskel_store_options store;
 	/* Told now and then while the library fills; false stops, and open fails with ESKEL_STORE_INVALID. */
@@ -64,8 +65,11 @@ typedef struct {
 	size_t header_count;
 	const eskel_field *headers;      /* Location, ETag, Link, Allow, Retry-After ... */
 	const void *body;
-	size_t size;
+	size_t size;                     /* ESKEL_SIZE_UNKNOWN: of a streamed body that shows its size at its end */
+	bool streamed;                   /* the body comes from eskel_exchange_next */
 } eskel_response;
+
+#define ESKEL_SIZE_UNKNOWN SIZE_MAX
 
 typedef struct eskel_exchange eskel_exchange;
 
@@ -88,6 +92,11 @@ ESKEL_API void eskel_exchange_feed(eskel_exchange *exchange, const void *bytes, 
  * network thread. */
 ESKEL_API bool eskel_exchange_is_heavy(const eskel_exchange *exchange);
 ESKEL_API void eskel_exchange_finish(eskel_exchange *exchange);
+
+/* The next piece of a streamed body, which computes and belongs into a worker; *size is 0 after the last one. The bytes
+ * stay until the next call. False when memory ran out: the transport breaks the connection off, lest the client take a
+ * part for the whole. Nothing is left to be undone when the transport asks no more. */
+ESKEL_API bool eskel_exchange_next(eskel_exchange *exchange, const void **bytes, size_t *size);
 
 /* The same problem+json body for refusals by the transport itself (401, 413, 429, 503 ...). free() it; NULL when
  * memory ran out. */

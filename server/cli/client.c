@@ -12,7 +12,18 @@ struct esk_client {
 	struct curl_slist *headers;
 	char *server;
 	esk_progress *progress;
+	uint64_t rows; /* of the answer, that came so far */
 };
+
+/* Where the body of an answer goes. */
+typedef struct {
+	esk_client *client;
+	FILE *body;
+	bool download;    /* a success goes to the file in place of body */
+	const char *path; /* NULL: standard output */
+	FILE *file;
+	int error;
+} sink;
 
 static const long connect_seconds = 10;
 enum { longest_token = 512 };
@@ -61,10 +72,43 @@ static esk_outcome authorize(CURL *curl, const char *token_file)
 
 static int report_progress(void *context, curl_off_t down_total, curl_off_t down, curl_off_t up_total, curl_off_t up)
 {
-	(void)down_total;
-	(void)down;
-	esk_progress_sent(context, (uint64_t)up, (uint64_t)up_total);
+	esk_client *client = context;
+	struct curl_header *header;
+	if (client->rows > 0 && !curl_easy_header(client->curl, "Eskel-Rows", 0, CURLH_HEADER, -1, &header)) {
+		const uint64_t total = strtoull(header->value, NULL, 10);
+		const double share = down_total > 0 ? (double)down / (double)down_total : 0;
+		const uint64_t rows = down_total > 0 ? (uint64_t)(share * (double)total) : client->rows;
+		esk_progress_received(client->progress, rows < total ? rows : total, total);
+	} else {
+		esk_progress_sent(client->progress, (uint64_t)up, (uint64_t)up_total);
+	}
 	return 0;
+}
+
+/* Rows are lines, but in formats whose size is known ahead. */
+static void count_rows(esk_client *client, const char *bytes, size_t size)
+{
+	for (const char *end = bytes + size; (bytes = memchr(bytes, '\n', (size_t)(end - bytes))); bytes++)
+		client->rows++;
+	if (client->rows == 0)
+		client->rows = 1;
+}
+
+static size_t take_body(char *bytes, size_t one, size_t size, void *context)
+{
+	(void)one;
+	sink *s = context;
+	long status = 0;
+	curl_easy_getinfo(s->client->curl, CURLINFO_RESPONSE_CODE, &status);
+	if (!s->download || status < 200 || status >= 300)
+		return fwrite(bytes, 1, size, s->body);
+	if (!s->file)
+		s->file = s->path ? fopen(s->path, "we") : stdout;
+	count_rows(s->client, bytes, size);
+	if (s->file && fwrite(bytes, 1, size, s->file) == size)
+		return size;
+	s->error = errno;
+	return CURL_WRITEFUNC_ERROR;
 }
 
 esk_outcome esk_client_new(const char *server, const char *token_file, esk_progress *progress, esk_client **client)
@@ -73,7 +117,7 @@ esk_outcome esk_client_new(const char *server, const char *token_file, esk_progr
 	esk_outcome outcome = ESK_DONE;
 	if (made)
 		*made = (esk_client){curl_easy_init(),
-			curl_slist_append(NULL, "Content-Type: application/octet-stream"), strdup(server), progress};
+			curl_slist_append(NULL, "Content-Type: application/octet-stream"), strdup(server), progress, 0};
 	/* "http://host/" and "http://host" are the same server. */
 	for (size_t n = made && made->server ? strlen(made->server) : 0; n > 0 && made->server[n - 1] == '/'; n--)
 		made->server[n - 1] = '\0';
@@ -87,7 +131,8 @@ esk_outcome esk_client_new(const char *server, const char *token_file, esk_progr
 	curl_easy_setopt(made->curl, CURLOPT_NOSIGNAL, 1L);
 	curl_easy_setopt(made->curl, CURLOPT_NOPROGRESS, 0L);
 	curl_easy_setopt(made->curl, CURLOPT_XFERINFOFUNCTION, report_progress);
-	curl_easy_setopt(made->curl, CURLOPT_XFERINFODATA, progress);
+	curl_easy_setopt(made->curl, CURLOPT_XFERINFODATA, made);
+	curl_easy_setopt(made->curl, CURLOPT_WRITEFUNCTION, take_body);
 	if (is_loopback(server))
 		curl_easy_setopt(made->curl, CURLOPT_PROXY, "");
 	if (token_file)
@@ -143,32 +188,42 @@ static void prepare_download(CURL *curl)
 	curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
 }
 
-static esk_outcome perform(esk_client *client, const esk_request *request, FILE *body)
+static esk_outcome explain(const esk_client *client, const sink *s, const char *reason)
+{
+	const char *path = s->path ? s->path : "standard output";
+	if (s->error)
+		return esk_complain(ESK_REFUSED, "%s: %s", path, strerror(s->error));
+	if (s->file)
+		return esk_complain(ESK_UNREACHABLE, "%s is not whole: %s broke off: %s", path, client->server, reason);
+	return esk_complain(ESK_UNREACHABLE, "%s does not answer: %s", client->server, reason);
+}
+
+static esk_outcome perform(esk_client *client, const esk_request *request, sink *s)
 {
 	char *url = NULL, reason[CURL_ERROR_SIZE] = "";
 	const char *query = request->query[0] ? request->query + 1 : "";
 	if (asprintf(&url, "%s%s%s%s", client->server, request->path, *query ? "?" : "", query) < 0)
 		return esk_complain(ESK_REFUSED, "memory ran out");
+	client->rows = 0;
 	curl_easy_setopt(client->curl, CURLOPT_URL, url);
 	curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, request->file ? client->headers : NULL);
-	curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, body);
+	curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, s);
 	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, reason);
 	CURLcode code = curl_easy_perform(client->curl);
 	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, NULL);
 	esk_progress_end(client->progress, !code);
 	free(url);
-	if (code)
-		return esk_complain(ESK_UNREACHABLE, "%s does not answer: %s", client->server,
-			*reason ? reason : curl_easy_strerror(code));
-	return ESK_DONE;
+	return code ? explain(client, s, *reason ? reason : curl_easy_strerror(code)) : ESK_DONE;
 }
 
-esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer)
+/* Sends the request and takes the answer's body where the sink says. */
+static esk_outcome transfer(esk_client *client, const esk_request *request, sink *s, esk_answer *answer)
 {
 	FILE *file = NULL;
 	esk_answer got = {0};
-	FILE *body = open_memstream(&got.body, &got.size);
-	if (!body)
+	s->client = client;
+	s->body = open_memstream(&got.body, &got.size);
+	if (!s->body)
 		return esk_complain(ESK_REFUSED, "memory ran out");
 	esk_outcome outcome = ESK_DONE;
 	if (request->file)
@@ -176,10 +231,10 @@ esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_
 	else
 		prepare_download(client->curl);
 	if (!outcome)
-		outcome = perform(client, request, body);
+		outcome = perform(client, request, s);
 	if (file)
 		fclose(file);
-	if (fclose(body) && !outcome)
+	if (fclose(s->body) && !outcome)
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	if (outcome) {
 		free(got.body);
@@ -188,4 +243,24 @@ esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_
 	curl_easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &got.status);
 	*answer = got;
 	return ESK_DONE;
+}
+
+esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer)
+{
+	sink s = {0};
+	return transfer(client, request, &s, answer);
+}
+
+esk_outcome esk_client_download(esk_client *client, const esk_request *request, const char *path, esk_answer *answer)
+{
+	sink s = {.download = true, .path = path};
+	esk_answer got = {0};
+	esk_outcome outcome = transfer(client, request, &s, &got);
+	if (s.file && s.file != stdout && fclose(s.file) && !outcome)
+		outcome = esk_complain(ESK_REFUSED, "%s: %s", path, strerror(errno));
+	if (outcome)
+		free(got.body);
+	else
+		*answer = got;
+	return outcome;
 }

@@ -30,4 +30,8 @@ typedef struct {
  * a complaint. */
 esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer);
 
+/* The same, but the body of a success goes to the file at path (NULL: standard output) as it comes, and the answer's is
+ * empty. A file that cannot be written is ESK_REFUSED; one that is not whole stays as it is, with a complaint. */
+esk_outcome esk_client_download(esk_client *client, const esk_request *request, const char *path, esk_answer *answer);
+
 #endif

@@ -1,4 +1,5 @@
-/* eskel distances: the matrix of the shapes named by their ids, or of those that the filters let through. */
+/* eskel distances: the matrix of the shapes named by their ids, or of those that the filters let through. A format that is
+ * asked for is for other programs, or for the eye: it passes through. */
 #include "command.h"
 
 #include <stdlib.h>
@@ -15,17 +16,6 @@ static char *ids_of(const esk_arguments *arguments)
 	return esk_session_close_text(out, &ids);
 }
 
-/* CSV is for other programs: it passes through. */
-static esk_outcome pass_csv(esk_session *session, const esk_request *request)
-{
-	esk_answer answer = {0};
-	esk_outcome outcome = esk_session_send(session, request, "distances", &answer);
-	if (!outcome)
-		fwrite(answer.body, 1, answer.size, stdout);
-	free(answer.body);
-	return outcome;
-}
-
 esk_outcome esk_command_distances(esk_session *session)
 {
 	esk_outcome outcome = esk_session_open(session, ESKEL_REPORT_DISTANCES);
@@ -34,12 +24,13 @@ esk_outcome esk_command_distances(esk_session *session)
 	if (outcome)
 		return outcome;
 	session->progress.items = 1;
+	const char *output = esk_arguments_value(session->arguments, "output");
 	char *ids = ids_of(session->arguments), *query = ids ? esk_session_query(session, ids) : NULL;
 	const esk_request request = {"/distances", query, NULL};
 	if (!query)
 		outcome = ESK_REFUSED;
-	else if (esk_arguments_value(session->arguments, "csv"))
-		outcome = pass_csv(session, &request);
+	else if (esk_arguments_value(session->arguments, "format") || output)
+		outcome = esk_session_download(session, &request, "distances", output);
 	else
 		outcome = esk_session_ask(session, &request, "distances");
 	free(query);

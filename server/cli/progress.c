@@ -77,6 +77,18 @@ void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total)
 	draw(progress, total > 0 ? (double)sent / (double)total : 0, doing);
 }
 
+void esk_progress_received(esk_progress *progress, uint64_t rows, uint64_t total)
+{
+	if (!wants_drawing(progress) || rows == 0 || total == 0)
+		return;
+	char doing[96];
+	const double seconds = seconds_since(&progress->started), rate = (double)rows / seconds;
+	const double left = rows < total ? (double)(total - rows) / rate : 0;
+	snprintf(doing, sizeof doing, "%llu of %llu rows, %.3g a second, %.0f %s left", (unsigned long long)rows,
+		(unsigned long long)total, rate, left < 100 ? left : left / 60, left < 100 ? "s" : "min");
+	draw(progress, (double)rows / (double)total, doing);
+}
+
 void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t total)
 {
 	if (!wants_drawing(progress))

@@ -24,6 +24,9 @@ void esk_progress_next(esk_progress *progress, const char *name);
  * nothing is known. Cheap to call often. */
 void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total);
 
+/* So many rows of the item's answer came. */
+void esk_progress_received(esk_progress *progress, uint64_t rows, uint64_t total);
+
 /* So many of the item's steps are computed here. */
 void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t total);
 

@@ -68,25 +68,43 @@ esk_outcome esk_session_close(esk_session *session, esk_outcome outcome)
 	return outcome;
 }
 
+/* Complains of a refusal, with the server's reason, and frees it. */
+static esk_outcome judge(const char *source, esk_answer *got)
+{
+	if (got->status >= 200 && got->status < 300)
+		return ESK_DONE;
+	char *detail = eskel_report_problem(got->body, got->size);
+	if (detail)
+		esk_complain(ESK_REFUSED, "%s: %s", source, detail);
+	else
+		esk_complain(ESK_REFUSED, "%s: the server answered %ld without a reason", source, got->status);
+	free(detail);
+	free(got->body);
+	return ESK_REFUSED;
+}
+
 esk_outcome esk_session_send(esk_session *session, const esk_request *request, const char *source, esk_answer *answer)
 {
 	esk_answer got = {0};
 	esk_progress_next(&session->progress, source);
 	esk_outcome outcome = esk_client_send(session->client, request, &got);
-	if (outcome)
-		return outcome;
-	if (got.status >= 200 && got.status < 300) {
+	if (!outcome)
+		outcome = judge(source, &got);
+	if (!outcome)
 		*answer = got;
-		return ESK_DONE;
-	}
-	char *detail = eskel_report_problem(got.body, got.size);
-	if (detail)
-		esk_complain(ESK_REFUSED, "%s: %s", source, detail);
-	else
-		esk_complain(ESK_REFUSED, "%s: the server answered %ld without a reason", source, got.status);
-	free(detail);
-	free(got.body);
-	return ESK_REFUSED;
+	return outcome;
+}
+
+esk_outcome esk_session_download(esk_session *session, const esk_request *request, const char *source, const char *path)
+{
+	esk_answer got = {0};
+	esk_progress_next(&session->progress, source);
+	esk_outcome outcome = esk_client_download(session->client, request, path, &got);
+	if (!outcome)
+		outcome = judge(source, &got);
+	if (!outcome)
+		free(got.body);
+	return outcome;
 }
 
 esk_outcome esk_session_take(esk_session *session, const char *source, const char *json, size_t size)

@@ -31,6 +31,10 @@ esk_outcome esk_session_close(esk_session *session, esk_outcome outcome);
  * asked about. */
 esk_outcome esk_session_send(esk_session *session, const esk_request *request, const char *source, esk_answer *answer);
 
+/* Sends the request; the body of the answer goes to the file at path, or to standard output, as it comes. */
+esk_outcome esk_session_download(
+	esk_session *session, const esk_request *request, const char *source, const char *path);
+
 /* Takes in JSON of the session's kind. */
 esk_outcome esk_session_take(esk_session *session, const char *source, const char *json, size_t size);
 

@@ -8,7 +8,7 @@
  *     head    10 s from the connection's start
  *     body    10 s, and a second for every 16 KB that came; 10 minutes at most
  *     work    none: the client waits for us
- *     reply   30 s, and a second for every 16 KB of it
+ *     reply   30 s, and a second for every 16 KB of it; of a streamed one for each piece
  *     idle    25 s to the end of the next head (libmicrohttpd itself ends idle ones after 15 s)
  */
 #ifndef ESK_CONNECTIONS_H

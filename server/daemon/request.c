@@ -17,7 +17,7 @@ static const double failed_token_cost = 100; /* guessing is a hundredth as fast 
 
 enum { MOST_HEADERS = 128 };
 
-typedef enum { HEAD, BODY, WORKING, WORKED, SENT } stage;
+typedef enum { HEAD, BODY, WORKING, WORKED, SENT, MAKING } stage;
 
 struct esk_request {
 	esk_job job; /* first: a job is its request */
@@ -36,6 +36,12 @@ struct esk_request {
 	uint64_t swallowed;
 	int64_t body_started, refused_at;
 	double started;
+	struct {
+		const char *bytes; /* the piece that was made last, of which so many are sent */
+		size_t size, sent;
+		bool ended, broken;
+		uint64_t total; /* sent of all pieces */
+	} stream;
 };
 
 esk_request *esk_request_new(
@@ -70,14 +76,51 @@ static void refuse(esk_request *request, int status, const char *detail)
 	esk_builtin_refuse(status, detail, &request->own);
 }
 
+/* The next bytes of a streamed body, as libmicrohttpd asks for them; 0 while a worker makes a piece. */
+static ssize_t read_stream(void *context, uint64_t position, char *buffer, size_t size)
+{
+	esk_request *request = context;
+	(void)position;
+	atomic_store(&request->peer->resumed, 0);
+	if (atomic_load(&request->stage) != SENT)
+		return 0;
+	const size_t left = request->stream.size - request->stream.sent, taken = left < size ? left : size;
+	if (taken > 0) {
+		memcpy(buffer, request->stream.bytes + request->stream.sent, taken);
+		request->stream.sent += taken;
+		request->stream.total += taken;
+		return (ssize_t)taken;
+	}
+	if (request->stream.broken || request->stream.ended)
+		return request->stream.broken ? MHD_CONTENT_READER_END_WITH_ERROR : MHD_CONTENT_READER_END_OF_STREAM;
+	atomic_store(&request->stage, MAKING);
+	esk_connection_in_work(request->peer);
+	MHD_suspend_connection(request->connection); /* before a worker can resume it */
+	esk_queue_submit(request->server->queue, &request->job);
+	return 0;
+}
+
+static void make_piece(esk_request *request)
+{
+	const void *bytes = NULL;
+	size_t size = 0;
+	request->stream.broken = !eskel_exchange_next(request->exchange, &bytes, &size);
+	request->stream.ended = size == 0;
+	request->stream.bytes = bytes;
+	request->stream.size = size;
+	request->stream.sent = 0;
+	esk_connection_in_reply(request->peer, size);
+}
+
 static enum MHD_Result send_response(esk_request *request)
 {
 	if (!settled(request))
 		refuse(request, 500, "the request was left without an answer");
 	const eskel_response *response = settled(request);
 	atomic_store(&request->stage, SENT);
-	esk_connection_in_reply(request->peer, response->size);
-	return esk_send(request->connection, response, request->close || atomic_load(&request->server->draining));
+	esk_connection_in_reply(request->peer, response->streamed ? 0 : response->size);
+	return esk_send(request->connection, response, request->close || atomic_load(&request->server->draining),
+		read_stream, request);
 }
 
 /* ---- head */
@@ -263,10 +306,15 @@ void esk_request_work(esk_job *job)
 {
 	esk_request *request = (esk_request *)job;
 	struct MHD_Connection *connection = request->connection;
-	eskel_exchange_finish(request->exchange);
-	leave_place(request);
+	const bool makes = atomic_load(&request->stage) == MAKING;
+	if (makes)
+		make_piece(request);
+	else
+		eskel_exchange_finish(request->exchange);
+	if (!settled(request)->streamed)
+		leave_place(request);
 	atomic_store(&request->peer->resumed, esk_clock_now());
-	atomic_store(&request->stage, WORKED);
+	atomic_store(&request->stage, makes ? SENT : WORKED);
 	MHD_resume_connection(connection); /* the request may be gone when this returns */
 }
 
@@ -283,6 +331,7 @@ enum MHD_Result esk_request_receive(
 		return send_response(request);
 	case WORKING:
 	case SENT:
+	case MAKING:
 		break;
 	}
 	return MHD_YES;
@@ -347,6 +396,8 @@ static void report(const esk_request *request, enum MHD_RequestTerminationCode h
 	double ms = esk_clock_exact() - request->started;
 	const eskel_response *response = request->stage == SENT ? settled(request) : NULL;
 	uint64_t sent = response && strcmp(request->method, "HEAD") != 0 ? response->size : 0;
+	if (response && response->streamed)
+		sent = request->stream.total;
 	if (response)
 		esk_metrics_request(request->server->metrics, route(request), request->method, response->status,
 			ms / 1000, request->received, sent);

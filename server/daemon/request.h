@@ -5,6 +5,10 @@
  *     WORKING  a worker finishes the exchange while libmicrohttpd has the connection suspended
  *     WORKED   the worker is done
  *     SENT     the response is queued
+ *     MAKING   a worker makes the next piece of a streamed body while the connection is suspended; then SENT again
+ *
+ * A stream keeps its place in the queue to its end, and each of its pieces waits its turn there: however long it is,
+ * others are served in between. When its client is gone, that is seen when the piece under way is to be sent.
  *
  * libmicrohttpd drops a response that is queued in mid-body. So a refusal waits until the body has passed; the
  * connection then stays usable. Cut off is only who sends more than 8 MiB and for longer than 5 s after the refusal.

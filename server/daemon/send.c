@@ -36,10 +36,19 @@ static bool add_all(struct MHD_Response *out, const eskel_response *response, bo
 	       add(out, &own[2], cacheable ? 0 : 1);
 }
 
-enum MHD_Result esk_send(struct MHD_Connection *connection, const eskel_response *response, bool close)
+static struct MHD_Response *make_streamed(const eskel_response *response, MHD_ContentReaderCallback read, void *context)
 {
-	struct MHD_Response *out =
-		MHD_create_response_from_buffer(response->size, (void *)response->body, MHD_RESPMEM_PERSISTENT);
+	enum { AT_A_TIME = 1 << 16 };
+	const uint64_t size = response->size == ESKEL_SIZE_UNKNOWN ? MHD_SIZE_UNKNOWN : response->size;
+	return MHD_create_response_from_callback(size, AT_A_TIME, read, context, NULL);
+}
+
+enum MHD_Result esk_send(struct MHD_Connection *connection, const eskel_response *response, bool close,
+	MHD_ContentReaderCallback read, void *context)
+{
+	struct MHD_Response *out = response->streamed ? make_streamed(response, read, context)
+						      : MHD_create_response_from_buffer(response->size,
+								(void *)response->body, MHD_RESPMEM_PERSISTENT);
 	if (!out)
 		return MHD_NO;
 	enum MHD_Result result = MHD_NO;

@@ -6,8 +6,9 @@
 
 #include <microhttpd.h>
 
-/* Queues it. The body is not copied: it must live until the request is over. MHD_NO, which closes the connection, when
- * memory ran out. */
-enum MHD_Result esk_send(struct MHD_Connection *connection, const eskel_response *response, bool close);
+/* Queues it. The body is not copied: it must live until the request is over. Of a streamed one read(context) gives the
+ * bytes. MHD_NO, which closes the connection, when memory ran out. */
+enum MHD_Result esk_send(struct MHD_Connection *connection, const eskel_response *response, bool close,
+	MHD_ContentReaderCallback read, void *context);
 
 #endif

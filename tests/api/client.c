@@ -174,6 +174,32 @@ static void record(const question *q, const answer *a)
 	free(text);
 }
 
+static void add_bytes(answer *a, const void *bytes, size_t size)
+{
+	a->body = realloc(a->body, a->size + size + 1);
+	demand(a->body != NULL, "realloc");
+	if (size > 0)
+		memcpy(a->body + a->size, bytes, size);
+	a->size += size;
+	a->body[a->size] = 0;
+}
+
+/* The body, as a transport sends it. */
+static void read_body(eskel_exchange *exchange, answer *a)
+{
+	const eskel_response *response = eskel_exchange_response(exchange);
+	const void *bytes = response->body;
+	size_t size = response->streamed ? 0 : response->size;
+	a->streamed = response->streamed;
+	add_bytes(a, bytes, size);
+	do {
+		demand(!a->streamed || eskel_exchange_next(exchange, &bytes, &size), "eskel_exchange_next");
+		if (a->streamed)
+			add_bytes(a, bytes, size);
+	} while (a->streamed && size > 0);
+	demand(response->size == a->size || (a->streamed && response->size == ESKEL_SIZE_UNKNOWN), "response->size");
+}
+
 answer ask(eskel_api *api, const question *q)
 {
 	eskel_exchange *exchange = begin(api, q);
@@ -190,11 +216,7 @@ answer ask(eskel_api *api, const question *q)
 	a.link = header(response, "Link");
 	a.allow = header(response, "Allow");
 	a.challenge = header(response, "WWW-Authenticate");
-	a.size = response->size;
-	a.body = calloc(1, a.size + 1);
-	demand(a.body != NULL, "calloc");
-	if (a.size > 0)
-		memcpy(a.body, response->body, a.size);
+	read_body(exchange, &a);
 	a.json = json_loadb(a.body, a.size, JSON_REJECT_DUPLICATES, NULL);
 	record(q, &a);
 	eskel_exchange_free(exchange);

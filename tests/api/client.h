@@ -43,6 +43,7 @@ typedef struct {
 	size_t size;
 	json_t *json; /* the body, NULL if it is not JSON */
 	bool early;   /* settled before the body was fed */
+	bool streamed;
 } answer;
 
 answer ask(eskel_api *api, const question *q);

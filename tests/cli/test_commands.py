@@ -4,6 +4,7 @@ import re
 import subprocess
 import unittest
 import xml.dom.minidom
+import xml.etree.ElementTree
 
 import numpy
 
@@ -109,7 +110,7 @@ class Commands(Served):
         self.assertGreater(matrix[0, 2], matrix[0, 1])
 
     def test_csv_passes_through(self):
-        run = self.eskel("distances", "--class", "hook", "--csv")
+        run = self.eskel("distances", "--class", "hook", "--format", "csv")
         self.assertEqual(run.returncode, 0, run.stderr)
         heading, *rows = [line.split(",") for line in run.stdout.splitlines()]
         self.assertEqual(heading, ["id", "name", self.ids["hook_left"], self.ids["hook_right"]])
@@ -143,6 +144,44 @@ class Commands(Served):
     def test_a_subject_can_be_left_out(self):
         answer = json.loads(self.eskel("evaluate", "--leave-out", "subject", "--json").stdout)
         self.assertEqual((answer["leave_out"], answer["shapes"], answer["queries"]), ("subject", 3, 0))
+    def test_a_matrix_of_two_sets_lists_its_columns(self):
+        run = self.eskel("distances", self.ids["ball"], "--columns-class", "hook")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        rows, columns = run.stdout.split("\n\n")
+        self.assertRegex(rows, r"^#  name      1      2\n1  ball  \d\.\d{3}  \d\.\d{3}$")
+        self.assertEqual(columns, "#  column\n1  hook_left\n2  hook_right\n")
+
+    def test_numpy_loads_what_is_written_to_a_file(self):
+        path, ids = self.path("matrix.npy"), list(self.ids.values())
+        run = self.eskel("distances", *ids, "--format", "npy", "--output", path)
+        self.assertEqual((run.returncode, run.stdout, run.stderr), (0, "", ""))
+        matrix = numpy.load(path)
+        self.assertEqual((matrix.dtype, matrix.shape, matrix.flags.c_contiguous), (numpy.float64, (3, 3), True))
+        answer = json.loads(self.eskel("distances", *ids, "--json").stdout)
+        numpy.testing.assert_allclose(matrix, answer["distances"], rtol=1e-14)
+        run = self.eskel("distances", *ids[:2], "--columns", "--format", "npy", "--output", path)
+        numpy.testing.assert_array_equal(numpy.load(path), matrix[:2])
+
+    def test_pictures_are_well_formed_and_stand_alone(self):
+        for plot in "heatmap", "map":
+            picture = self.eskel("distances", "--format", "svg", "--plot", plot).stdout
+            root = xml.etree.ElementTree.fromstring(picture)
+            self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+            self.assertIn("3 shapes", root.find("{*}title").text)
+            for element in root.iter():
+                self.assertNotIn(element.tag.split("}")[1], ("style", "script", "image", "use", "link"))
+                self.assertFalse({"style", "class", "href"} & set(element.attrib))
+
+    def test_a_refusal_leaves_the_file_as_it_is(self):
+        path = self.write("kept", "as it was")
+        run = self.eskel("distances", "--format", "csv", "--plot", "map", "--output", path)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("expected format=svg", run.stderr)
+        with open(path, encoding="utf-8") as file:
+            self.assertEqual(file.read(), "as it was")
+        run = self.eskel("distances", "--output", self.path("nowhere/matrix"))
+        self.assertEqual((run.returncode, run.stderr),
+                         (1, f"eskel: {self.path('nowhere/matrix')}: No such file or directory\n"))
 
     def test_the_list_is_filtered_and_paged(self):
         self.assertEqual(len(self.rows(self.eskel("show"))), 3)

@@ -44,6 +44,17 @@ class SlowServer(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(body)
 
+    def do_GET(self):
+        """A matrix, a row every moment."""
+        self.send_response(200)
+        self.send_header("Eskel-Rows", "40")
+        self.send_header("Connection", "close")
+        self.end_headers()
+        self.close_connection = True
+        for row in ["id,name"] + 40 * ["row"]:
+            self.wfile.write(f"{row}\r\n".encode())
+            time.sleep(0.05)
+
     def log_message(self, *arguments):
         pass
 
@@ -68,6 +79,16 @@ class Progress(Folder):
         self.assertTrue(any("] 2 of 2  ball.nii  " in bar for bar in drawn), drawn)
         self.assertEqual(written.count("\r\x1b[K"), 2)
         self.assertRegex(written[written.rindex("\r\x1b[K"):], r"\A\r\x1b\[K(\x1b\[1m)?id")
+
+    def test_rows_are_counted_while_a_matrix_comes(self):
+        path = self.path("matrix.csv")
+        code, written = on_terminal("distances", "--format", "csv", "--output", path, "--server", self.url)
+        self.assertEqual(code, 0, written)
+        drawn = re.findall(r"\r\[#*\.*\] 1 of 1  distances  (\d+) of 40 rows, [\d.]+ a second, (\d+) s left\x1b\[K", written)
+        self.assertGreater(len(drawn), 3, written)
+        self.assertEqual(sorted(int(rows) for rows, _ in drawn), [int(rows) for rows, _ in drawn])
+        with open(path, "rb") as file:
+            self.assertEqual(file.read().count(b"\n"), 41)
 
     def test_quiet_shows_no_bar(self):
         code, written = on_terminal("enroll", self.volume, "--server", self.url, "--quiet")

@@ -65,7 +65,14 @@ static int perform(eskel_api *api, const eskel_request *request, const volume_fi
 	if (body)
 		eskel_exchange_feed(exchange, body->bytes, body->size);
 	eskel_exchange_finish(exchange);
-	int status = eskel_exchange_response(exchange)->status;
+	const eskel_response *response = eskel_exchange_response(exchange);
+	int status = response->status;
+	const void *bytes;
+	for (size_t size = response->streamed; size > 0;)
+		if (!eskel_exchange_next(exchange, &bytes, &size)) {
+			status = 503; /* the connection is broken off */
+			break;
+		}
 	eskel_exchange_free(exchange);
 	return status;
 }
@@ -149,6 +156,9 @@ static void other_requests_are_answered_or_refused(void **state)
 	snprintf(skeleton, sizeof skeleton, "/shapes/%s/skeleton", id);
 	snprintf(signature, sizeof signature, "/shapes/%s/signature", id);
 	snprintf(ids, sizeof ids, "%s,%s", id, text_at(&enrolled, "shapes.1.id"));
+	char many[200 * ESKEL_ID_SIZE] = "";
+	for (size_t i = 0; i < 199; i++)
+		snprintf(many + i * ESKEL_ID_SIZE, sizeof many - i * ESKEL_ID_SIZE, "%s%s", id, i < 198 ? "," : "");
 	char json[] = "{\"name\":\"b\",\"class\":\"c\",\"attributes\":{\"k\":\"w\",\"l\":\"x\"}}";
 	const volume_file patch = {(uint8_t *)json, sizeof json - 1};
 	const struct {
@@ -168,7 +178,11 @@ static void other_requests_are_answered_or_refused(void **state)
 		{{.method = "POST", .path = "/check", .body_size = (int64_t)file.size, FIELDS({"name", "a_right"})},
 			&file},
 		{{.method = "GET", .path = "/distances", FIELDS({"id", ids})}, NULL},
-		{{.method = "GET", .path = "/distances", FIELDS({"format", "csv"})}, NULL},
+		{{.method = "GET", .path = "/distances", FIELDS({"format", "csv"}, {"columns", "all"})}, NULL},
+		{{.method = "GET", .path = "/distances", FIELDS({"format", "npy"}, {"columns.attr.k", "v"})}, NULL},
+		{{.method = "GET", .path = "/distances", FIELDS({"format", "npy"}, {"id", many})}, NULL},
+		{{.method = "GET", .path = "/distances", FIELDS({"format", "svg"}, {"columns.id", ids})}, NULL},
+		{{.method = "GET", .path = "/distances", FIELDS({"format", "svg"}, {"plot", "map"})}, NULL},
 		{{.method = "GET", .path = "/evaluation", FIELDS({"leave_out", "subject"}, {"distance", "level"})},
 			NULL},
 		{{.method = "GET", .path = "/openapi.json"}, NULL},
