@@ -322,9 +322,10 @@ static void begin(const heatmap *h)
 	const double legend = h->left + h->width + GAP + h->rows.label_width + MARGIN;
 	const double width = legend + esk_svg_legend_width(&h->classes, bottom - HEADING - MARGIN) + MARGIN;
 	if (h->rows.shapes == h->columns.shapes)
-		snprintf(title, sizeof title, "Distances between %zu shapes", h->rows.shapes->count);
+		snprintf(title, sizeof title, "Distances between %zu shape%s", h->rows.shapes->count,
+			h->rows.shapes->count == 1 ? "" : "s");
 	else
-		snprintf(title, sizeof title, "Distances of %zu shapes to %zu", h->rows.shapes->count,
+		snprintf(title, sizeof title, "Distances of %zu to %zu shapes", h->rows.shapes->count,
 			h->columns.shapes->count);
 	esk_svg_begin(h->svg, width, fmax(bottom, HEADING + h->tree + 80), title,
 		"Dark is near. Like shapes stand together: the trees join them at their mean distance.");

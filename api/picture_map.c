@@ -82,9 +82,9 @@ static void begin(const map *m, double faithful)
 	char title[100], subtitle[200];
 	const size_t rows = m->matrix->rows.count, others = m->matrix->others.count;
 	if (m->matrix->square)
-		snprintf(title, sizeof title, "Map of %zu shapes", rows);
+		snprintf(title, sizeof title, "Map of %zu shape%s", rows, rows == 1 ? "" : "s");
 	else
-		snprintf(title, sizeof title, "Map of %zu shapes and %zu others (hollow)", rows, others);
+		snprintf(title, sizeof title, "Map of %zu and %zu other (hollow) shapes", rows, others);
 	snprintf(subtitle, sizeof subtitle,
 		"Near marks are like shapes (classical scaling). The plane shows %.0f %% of how distances vary.",
 		100 * faithful);

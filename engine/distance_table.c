@@ -109,7 +109,7 @@ static size_t place(size_t r, size_t c, size_t n)
 static eskel_status keep_pairs(eskel_distance_table *table, const int64_t *rows, const int64_t *columns)
 {
 	const size_t n = table->row_count;
-	if (n != table->column_count || n * (n + 1) / 2 > table->most_kept ||
+	if (n == 0 || n != table->column_count || n * (n + 1) / 2 > table->most_kept ||
 		memcmp(rows, columns, n * sizeof *rows) != 0)
 		return ESKEL_OK;
 	table->kept = esk_memory_array(n * (n + 1) / 2, sizeof *table->kept);

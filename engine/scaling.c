@@ -10,7 +10,6 @@
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Coordinates are roots of eigenvalues, of which rounding leaves some 1e-16 a shape in place of 0: 1e-8, and some room. */
 static const double noise = 1e-6;
@@ -87,10 +86,10 @@ eskel_status eskel_scaling(const double *distances, size_t count, double (*point
 {
 	if (count > INT32_MAX / 64) /* LAPACK counts work in 32 bits */
 		return ESKEL_INVALID;
-	if (count < 2) {
-		memset(points, 0, count * sizeof *points);
+	if (count == 1)
+		points[0][0] = points[0][1] = 0;
+	if (count < 2)
 		return ESKEL_OK;
-	}
 	const lapack_int n = (lapack_int)count;
 	lapack_int found = 0;
 	double *products = esk_memory_array(count * count, sizeof *products);

@@ -275,19 +275,19 @@ static void pictures_say_what_they_show(void **state)
 	assert_says(&heatmap, 200, ">a,b&quot;c</text>");
 	assert_int_equal(count_of(&heatmap, "<title>"), 1 + 16 + 2 * 3);
 	answer cross = get(f->api, "/distances?format=svg&subject=S1&columns=all");
-	assert_says(&cross, 200, "Distances of 2 shapes to 4");
+	assert_says(&cross, 200, "Distances of 2 to 4 shapes");
 	assert_int_equal(count_of(&cross, "<title>"), 1 + 8 + 1 + 3);
 	answer map = get(f->api, "/distances?format=svg&plot=map");
 	assert_says(&map, 200, "Map of 4 shapes");
 	assert_says(&map, 200, "<title>=cmd(&quot;x&quot;)");
 	assert_int_equal(count_of(&map, "<title>"), 1 + 4);
 	answer two = get(f->api, "/distances?format=svg&plot=map&subject=S1&columns.subject=S0");
-	assert_says(&two, 200, "Map of 2 shapes and 2 others (hollow)");
+	assert_says(&two, 200, "Map of 2 and 2 other (hollow) shapes");
 	for (int plot = 0; plot < 2; plot++) {
 		answer none = get(f->api, "/distances?format=svg&subject=S7&plot=%s", plot ? "map" : "heatmap");
 		answer one = get(f->api, "/distances?format=svg&q=femur&plot=%s", plot ? "map" : "heatmap");
 		assert_says(&none, 200, "0 shapes");
-		assert_says(&one, 200, "1 shape");
+		assert_says(&one, 200, "1 shape</title>");
 		answer_free(&none);
 		answer_free(&one);
 	}
