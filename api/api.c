@@ -191,6 +191,13 @@ void eskel_api_close(eskel_api *api)
 	free(api);
 }
 
+/* Whoever holds the lock alone knows that no change is under way. */
+void esk_api_wait_for_changes(eskel_api *api)
+{
+	pthread_rwlock_wrlock(&api->changing);
+	pthread_rwlock_unlock(&api->changing);
+}
+
 size_t eskel_api_shape_count(const eskel_api *api)
 {
 	return eskel_library_count(api->library);

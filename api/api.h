@@ -24,4 +24,9 @@ struct eskel_api {
 	eskel_api_options options;
 };
 
+/* For those who read keys of the store and look for them in the library: while a change is under way a shape may be in one
+ * of the two. Each such change is waited for; so many in a row do not happen to an honest client. */
+#define ESK_MOST_ATTEMPTS 8
+void esk_api_wait_for_changes(eskel_api *api);
+
 #endif

@@ -12,10 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A shape may be in the store and not yet, or no longer, in the library while a change is under way. Each such change is
- * waited for; so many in a row do not happen to an honest client. */
-#define MOST_ATTEMPTS 8
-
 enum {
 	PIECE = 1 << 15, /* cells: a third of a second of one processor, so that a client that is gone is soon noticed
 				  and others get their turn */
@@ -144,20 +140,13 @@ static eskel_status open_written_table(const eskel_exchange *exchange, source *s
 	return open_table(exchange, rows->keys, rows->count, columns->keys, columns->count, &s->table);
 }
 
-/* Whoever holds the lock alone knows that no change is under way. */
-static void wait_for_changes(eskel_api *api)
-{
-	pthread_rwlock_wrlock(&api->changing);
-	pthread_rwlock_unlock(&api->changing);
-}
-
 static bool open_source(eskel_exchange *exchange, source *s)
 {
 	eskel_status status = ESKEL_NOT_FOUND;
-	for (int attempt = 0; attempt < MOST_ATTEMPTS && status == ESKEL_NOT_FOUND; attempt++) {
+	for (int attempt = 0; attempt < ESK_MOST_ATTEMPTS && status == ESKEL_NOT_FOUND; attempt++) {
 		clear_matrix(s);
 		if (attempt > 0)
-			wait_for_changes(exchange->api);
+			esk_api_wait_for_changes(exchange->api);
 		if (!read_matrix(exchange, &s->matrix))
 			return false;
 		status = s->format ? open_written_table(exchange, s) : open_drawn_table(exchange, s);

@@ -5,9 +5,6 @@
 
 #include <inttypes.h>
 
-/* As for a matrix of distances (distances.c): a shape that is in the store and not in the library is waited for. */
-#define MOST_ATTEMPTS 8
-
 /* Each shape is compared with each: as many as there may be in a matrix. */
 static size_t most_shapes(const eskel_exchange *exchange)
 {
@@ -34,20 +31,13 @@ static bool read_shapes(eskel_exchange *exchange, esk_evaluation *evaluation)
 		       most, exchange->api->options.most_distances);
 }
 
-/* Whoever holds the lock alone knows that no change is under way. */
-static void wait_for_changes(eskel_api *api)
-{
-	pthread_rwlock_wrlock(&api->changing);
-	pthread_rwlock_unlock(&api->changing);
-}
-
 static bool make(eskel_exchange *exchange, esk_evaluation *evaluation)
 {
 	eskel_status status = ESKEL_NOT_FOUND;
-	for (int attempt = 0; attempt < MOST_ATTEMPTS && status == ESKEL_NOT_FOUND; attempt++) {
+	for (int attempt = 0; attempt < ESK_MOST_ATTEMPTS && status == ESKEL_NOT_FOUND; attempt++) {
 		esk_evaluation_clear(evaluation);
 		if (attempt > 0)
-			wait_for_changes(exchange->api);
+			esk_api_wait_for_changes(exchange->api);
 		if (!read_shapes(exchange, evaluation) ||
 			!esk_evaluation_make(exchange->api, &exchange->query, evaluation, &status, &exchange->problem))
 			return false;

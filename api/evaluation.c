@@ -89,23 +89,49 @@ static esk_nearest_shapes find_nearest(const esk_evaluation *e, size_t query, co
 	return found;
 }
 
-/* Called by several threads, each for rows of its own. */
-static bool take_row(void *context, size_t row, const double *distances)
+static eskel_status judge_row(esk_evaluation *e, size_t row, const double *distances)
 {
-	esk_evaluation *e = context;
 	const eskel_evaluation numbers = numbers_of(e);
 	e->nearest[row] = find_nearest(e, row, distances);
-	return eskel_evaluation_judge(&numbers, row, distances, &e->retrievals[row]) == ESKEL_OK;
+	return eskel_evaluation_judge(&numbers, row, distances, &e->retrievals[row]);
+}
+
+/* The next so many distances, or those that are left. */
+static eskel_status fill(eskel_distance_table *table, double *distances, size_t most, size_t *filled)
+{
+	eskel_status status = ESKEL_OK;
+	size_t count = 1;
+	for (*filled = 0; status == ESKEL_OK && count > 0; *filled += count) {
+		count = 0;
+		status = eskel_distance_table_next(table, most - *filled, distances + *filled, &count);
+	}
+	return status;
+}
+
+/* Rows are computed together, so that threads have enough to do. */
+static eskel_status judge_table(esk_evaluation *e, eskel_distance_table *table)
+{
+	enum { rows_at_a_time = 64 };
+	const size_t most = rows_at_a_time * e->count;
+	double *distances = calloc(most + 1, sizeof *distances);
+	eskel_status status = distances ? ESKEL_OK : ESKEL_NO_MEMORY;
+	for (size_t row = 0; status == ESKEL_OK && row < e->count;) {
+		size_t filled = 0;
+		status = fill(table, distances, most, &filled);
+		for (size_t at = 0; status == ESKEL_OK && at < filled; at += e->count)
+			status = judge_row(e, row++, distances + at);
+	}
+	free(distances);
+	return status;
 }
 
 static eskel_status judge_rows(eskel_api *api, const esk_parameters *query, esk_evaluation *e)
 {
-	const eskel_rows_options options = {
+	const eskel_distance_table_options options = {
 		.distance = esk_parameters_distance(query),
 		.threads = ESKEL_THREADS_ONLINE,
-		.each = take_row,
-		.context = e,
 	};
+	eskel_distance_table *table = NULL;
 	int64_t *keys = calloc(e->count + 1, sizeof *keys);
 	e->retrievals = calloc(e->count + 1, sizeof *e->retrievals);
 	e->nearest = calloc(e->count + 1, sizeof *e->nearest);
@@ -113,9 +139,12 @@ static eskel_status judge_rows(eskel_api *api, const esk_parameters *query, esk_
 	for (size_t i = 0; keys && i < e->count; i++)
 		keys[i] = e->shapes[i].key;
 	if (keys && e->retrievals && e->nearest)
-		status = eskel_library_rows(api->library, keys, e->count, &options);
+		status = eskel_distance_table_new(api->library, keys, e->count, keys, e->count, &options, &table);
+	if (status == ESKEL_OK)
+		status = judge_table(e, table);
+	eskel_distance_table_free(table);
 	free(keys);
-	return status == ESKEL_CANCELLED ? ESKEL_NO_MEMORY : status; /* nothing else makes take_row stop */
+	return status;
 }
 
 /* ---- sides */

@@ -363,19 +363,6 @@ ESKEL_API void eskel_distance_table_free(eskel_distance_table *table);
 ESKEL_API eskel_status eskel_distance_table_next(
 	eskel_distance_table *table, size_t most, double *distances, size_t *count);
 
-/* The same row by row, each as soon as it is there, in memory of a row a thread. */
-typedef struct {
-	eskel_distance_options distance;
-	uint32_t threads;               /* at most; default 1 */
-	/* Called once a row, in any order and from any thread, with the distances to all keys, which are gone afterwards;
-	 * false: ESKEL_CANCELLED. */
-	bool (*each)(void *context, size_t row, const double *distances);
-	void *context;
-} eskel_rows_options;
-
-ESKEL_API eskel_status eskel_library_rows(const eskel_library *library, const int64_t *keys, size_t count,
-	const eskel_rows_options *options);
-
 /* A set of keys is an array of these: bit i of members is set when it holds the key first + i. */
 typedef struct {
 	int64_t first;                  /* a multiple of 64; ascends from block to block */

@@ -12,7 +12,7 @@ static const struct axis {
 } axes[] = {
 	{{"signature"}, {"&signature=log", "&signature=paper"}},
 	{{"distance", "level"}, {"&distance=sum", "&distance=level&level=4", "&distance=level&level=10"}},
-	{{"metric"}, {"&metric=manhattan", "&metric=euclidean"}},
+	{{"metric"}, {"&metric=manhattan", "&metric=euclidean", "&metric=root"}},
 	{{"size"}, {"&size=fixed", "&size=free"}},
 };
 

@@ -127,10 +127,10 @@ class Commands(Served):
         page = self.path("page.html")
         run = self.eskel("evaluate", "--all", "--signature", "paper", "--csv", "--html", page)
         self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertEqual(len(run.stderr.splitlines()), 12)
+        self.assertEqual(len(run.stderr.splitlines()), 18)
         heading, *rows = [line.split(",") for line in run.stdout.splitlines()]
         self.assertEqual({row[0] for row in rows}, {"paper"})
-        self.assertEqual(len({tuple(row[:5]) for row in rows}), 12)
+        self.assertEqual(len({tuple(row[:5]) for row in rows}), 18)
         self.assertEqual(heading[:5], ["signature", "distance", "level", "metric", "size"])
         with open(page, encoding="utf-8") as file:
             text = file.read()
@@ -139,7 +139,7 @@ class Commands(Served):
             xml.dom.minidom.parseString(svg)
         fixed = self.eskel("evaluate", "--all", "--distance", "level", "--level", 3, "--json", "--quiet")
         answers = [json.loads(line) for line in fixed.stdout.splitlines()]
-        self.assertEqual([answer["distance"]["level"] for answer in answers], [3] * 8)
+        self.assertEqual([answer["distance"]["level"] for answer in answers], [3] * 12)
 
     def test_a_subject_can_be_left_out(self):
         answer = json.loads(self.eskel("evaluate", "--leave-out", "subject", "--json").stdout)
