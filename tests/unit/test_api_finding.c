@@ -188,9 +188,9 @@ static void a_shape_far_from_its_class_is_unrecognized(void **state)
 {
 	(void)state;
 	esk_checked_label label = good(1, "talus", L);
-	label.z = 3.9;
+	label.z = 2.9;
 	assert_string_equal(found_alone(label), "");
-	label.z = 4.1;
+	label.z = 3.1;
 	assert_string_equal(found_alone(label), "unrecognized warning");
 	label.z = NAN;
 	assert_string_equal(found_alone(label), "");
@@ -240,7 +240,7 @@ static void pieces_are_merged_when_they_are_too_large_together(void **state)
 	label = good(1, "talus", L);
 	label.volume = 30000 * 1.5;
 	assert_string_equal(found_alone(label), "");
-	label.z = 3.5;
+	label.z = 2.5;
 	assert_string_equal(found_alone(label), "merged warning");
 	label = good(1, "talus", L);
 	label.component_count = 9;

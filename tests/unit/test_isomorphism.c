@@ -224,7 +224,7 @@ static void options_out_of_range_are_refused(void **state)
 	static const int32_t splits[levels] = {-1, 0, 0, 0, 0, 0};
 	eskel_isomorphism found = {.depth = 77};
 	eskel_skeleton *a = tree_of(1, levels, splits);
-	assert_int_equal(eskel_isomorphism_find(a, a, &(eskel_distance_options){.metric = (eskel_metric)2}, &found),
+	assert_int_equal(eskel_isomorphism_find(a, a, &(eskel_distance_options){.metric = (eskel_metric)3}, &found),
 		ESKEL_INVALID);
 	assert_int_equal(found.depth, 77);
 	eskel_skeleton_free(a);
