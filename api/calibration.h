@@ -53,7 +53,7 @@ typedef struct {
 	size_t sides_decided, decided_right; /* with a score of at least ESK_LEAST_SIDE_SCORE */
 	double class_weights[3], side_weight;
 	size_t fellows;
-	double mean, deviation; /* of ln distance to the nearest fellow */
+	double mean, deviation; /* of ln distance to the nearest fellow (fit.h) */
 } esk_calibration_report;
 
 bool esk_calibration_get_report(esk_calibration *calibration, const eskel_distance_options *distance,

@@ -167,6 +167,12 @@ static esk_severity severity_of(const esk_checked_label *label, bool certain)
 	return certain && !label->border ? ESK_SEVERITY_ERROR : ESK_SEVERITY_WARNING;
 }
 
+/* No calibration shows more. */
+static double shown(double score)
+{
+	return fmin(score, 0.99);
+}
+
 static void find_wrong_class(const esk_checked_label *label, esk_findings *findings)
 {
 	if (label->class_is_known)
@@ -174,20 +180,21 @@ static void find_wrong_class(const esk_checked_label *label, esk_findings *findi
 			"the label says %s, the shape says %s (score %.2f): the nearest of that is at distance %.3f, "
 			"of "
 			"the class said at %.3f",
-			label->said_class, label->told_class, label->class_score, label->told_distance,
+			label->said_class, label->told_class, shown(label->class_score), label->told_distance,
 			label->said_distance);
 	else
 		add(findings, ESK_FINDING_WRONG_CLASS, ESK_SEVERITY_WARNING,
 			"the label says %s, of which the library has none, the shape says %s (score %.2f): at distance "
 			"%.3f it is as near as those of that class are to each other (z %.1f)",
-			label->said_class, label->told_class, label->class_score, label->told_distance, label->z);
+			label->said_class, label->told_class, shown(label->class_score), label->told_distance,
+			label->z);
 }
 
 static void find_wrong_side(const esk_checked_label *label, esk_findings *findings)
 {
 	add(findings, ESK_FINDING_SWAPPED_SIDE, severity_of(label, label->side_in_class_score >= CERTAIN_SIDE_SCORE),
 		"the label says %s, the shape says %s (score %.2f)", esk_value_side_text(label->said_side),
-		esk_value_side_text(label->side_in_class), label->side_in_class_score);
+		esk_value_side_text(label->side_in_class), shown(label->side_in_class_score));
 }
 
 static void find_wrong_name(const esk_checked_label *label, esk_findings *findings)

@@ -5,7 +5,8 @@
  * brain atlases gave together; they decide while a library is small.
  *
  * z measures ln distance to the nearest fellow in standard deviations. The mean of a class is drawn to that of all by
- * DRAWN fellows' weight, so that a class with one or two has a mean as well; the deviation is that within classes. */
+ * DRAWN fellows' weight, so that a class with one or two has a mean as well; the deviation is that within classes. How near
+ * two bones of one person are says little of other people: a class of one subject has the mean of all. */
 #ifndef ESK_FIT_H
 #define ESK_FIT_H
 
@@ -21,7 +22,8 @@ typedef struct {
 	double class_weights[ESK_FEATURES]; /* of 1, share, z */
 	double side_weights[ESK_FEATURES];  /* of |rightness|, 0, 0 */
 	size_t fellows;                     /* that the mean and the deviation are of */
-	double mean, deviation;             /* of ln fellow over all classes */
+	double mean;                        /* of ln fellow over all classes */
+	double deviation;                   /* from the means of classes */
 	size_t class_count;
 	esk_class_mean *classes; /* ascending names */
 } esk_fit;

@@ -16,15 +16,16 @@ static bool keys_of(eskel_api *api, const eskel_filter *filter, esk_choice *choi
 
 /* Whom the shape may meet: fellows are those of its class, others all that are left in. A shape whose class only its own
  * subject has meets everybody but itself. */
-static bool choose(
-	eskel_api *api, const eskel_description *said, esk_choice *fellows, esk_choice *others, esk_problem *problem)
+static bool choose(eskel_api *api, const eskel_description *said, esk_choice *fellows, esk_choice *others, bool *twin,
+	esk_problem *problem)
 {
 	eskel_filter filter = eskel_filter_none();
 	filter.class = said->class;
 	filter.not_subject = said->subject;
 	if (!keys_of(api, &filter, fellows, problem))
 		return false;
-	if (said->subject && fellows->block_count == 0) {
+	*twin = said->subject && fellows->block_count == 0;
+	if (*twin) {
 		filter.not_subject = NULL;
 		esk_choice_clear(fellows);
 		if (!keys_of(api, &filter, fellows, problem))
@@ -84,7 +85,7 @@ static bool hold(eskel_api *api, const eskel_distance_options *distance, const e
 	trial->class = strdup(said->class);
 	trial->side = said->side;
 	bool good = trial->class || esk_problem_no_memory(problem);
-	good = good && choose(api, said, &fellows, &others, problem) &&
+	good = good && choose(api, said, &fellows, &others, &trial->twin, problem) &&
 	       find_fellow(api, known->signature, distance, &fellows, trial, problem) &&
 	       esk_recognition_find(api, &unknown, &others, 0, &options, &met, problem) &&
 	       note_told(&met, trial, problem);

@@ -18,6 +18,7 @@ typedef struct {
 	esk_evidence evidence; /* its class is told */
 	double fellow;         /* distance of the nearest of the recorded class; NaN: there is none */
 	int64_t fellow_key;
+	bool twin; /* the fellow is of the same subject: others have none */
 	size_t voter_count;
 	int64_t voters[ESK_VOTERS]; /* nearest first */
 	double farthest;            /* distance of the last voter */

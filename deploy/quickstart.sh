@@ -99,6 +99,12 @@ if [ -s "$folder/bones.txt" ]; then
 	# shellcheck disable=SC2046
 	eskel recognize --quiet --not-subject VHF $(ids "$folder/bones.txt" \
 		VHF_talus_left VHF_calcaneus_right VHF_tibia_left VHF_patella_right VHF_navicular_left)
+
+	echo
+	echo "The label map of that person's feet, three names exchanged or wrong, checked against the others' bones:"
+	sed -e 's/^2,[^,]*,/2,calcaneus_L,/' -e 's/^12,[^,]*,/12,talus_L,/' -e 's/^13,[^,]*,/13,navicular_R,/' \
+		"$bones/maps/VHF_feet_labels.csv" | cut -d, -f1,2 >"$folder/feet.csv"
+	eskel check --quiet --not-subject VHF --labels "$folder/feet.csv" "$bones/maps/VHF_feet.nii.gz" || [ $? -eq 1 ]
 fi
 
 # ---- go on
@@ -113,5 +119,6 @@ Next, for example:
   export ESKEL_SERVER=$ESKEL_SERVER PATH=$PWD/build/server:\$PATH
   eskel show --class hippocampus
   eskel recognize YOUR_SEGMENTATION.nii.gz
+  eskel check YOUR_LABEL_MAP.nii.gz --labels ITS_NAMES.csv
   eskel --help
 END
