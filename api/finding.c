@@ -87,12 +87,13 @@ static bool is_sided(eskel_side side)
 	return side == ESKEL_SIDE_LEFT || side == ESKEL_SIDE_RIGHT;
 }
 
-/* Told by the class said: the shape may be nearer to another, but not so much that the name is wrong. */
+/* Told by the class said: the shape may be nearer to another, but not so much that the name is wrong. What is unlike its
+ * class, as two bones in one are, has no side that can be told by it. */
 static bool contradicts_side(const esk_checked_label *label)
 {
 	return label->class_is_known && is_sided(label->said_side) && is_sided(label->side_in_class) &&
 	       label->said_side != label->side_in_class && label->side_in_class_score >= DOUBTFUL_SIDE_SCORE &&
-	       !contradicts_class(label);
+	       !(label->z > FAR_Z) && !contradicts_class(label);
 }
 
 /* How much nearer, in ln distance, two shapes are to each other's class than to their own. */

@@ -29,11 +29,10 @@ static bool is_omitted(size_t index, int omitted)
 /* ---- classes */
 
 typedef struct {
-	const char *class; /* of_all: of no class of its own */
+	const char *class;
+	bool twin;
 	double log_fellow;
 } fellow;
-
-static const char of_all[] = "";
 
 static int compare_fellows(const void *a, const void *b)
 {
@@ -47,8 +46,7 @@ static size_t list_fellows(const esk_trial *trials, size_t count, int omitted, f
 	size_t listed = 0;
 	for (size_t i = 0; i < count; i++)
 		if (trials[i].class && !isnan(trials[i].fellow) && !is_omitted(i, omitted))
-			fellows[listed++] =
-				(fellow){trials[i].twin ? of_all : trials[i].class, log_of(trials[i].fellow)};
+			fellows[listed++] = (fellow){trials[i].class, trials[i].twin, log_of(trials[i].fellow)};
 	qsort(fellows, listed, sizeof *fellows, compare_fellows);
 	return listed;
 }
@@ -61,36 +59,22 @@ static double mean_of(const fellow *fellows, size_t count)
 	return count ? sum / (double)count : 0;
 }
 
-static double deviation_of(double squares, size_t count)
-{
-	return sqrt((squares + SUPPOSED * SUPPOSED_DEVIATION * SUPPOSED_DEVIATION) / (SUPPOSED + (double)count));
-}
-
-static double squares_about(const fellow *fellows, size_t count, double mean)
-{
-	double squares = 0;
-	for (size_t i = 0; i < count; i++)
-		squares += (fellows[i].log_fellow - mean) * (fellows[i].log_fellow - mean);
-	return squares;
-}
-
-/* The classes of sorted fellows, and the deviation from their drawn means. */
+/* The classes of sorted fellows, and the deviation from their drawn means. Of one class all are twins, or none: where
+ * another subject has the class, no trial has a twin for its fellow. */
 static void measure_classes(const fellow *fellows, esk_fit *fit)
 {
-	double squares = 0;
-	size_t classed = 0;
+	double squares = SUPPOSED * SUPPOSED_DEVIATION * SUPPOSED_DEVIATION;
 	for (size_t begin = 0, end; begin < fit->fellows; begin = end) {
 		for (end = begin; end < fit->fellows && strcmp(fellows[begin].class, fellows[end].class) == 0;)
 			end++;
-		if (!*fellows[begin].class)
-			continue;
 		const double members = (double)(end - begin), own = mean_of(fellows + begin, end - begin);
 		const double mean = (members * own + DRAWN * fit->mean) / (members + DRAWN);
-		squares += squares_about(fellows + begin, end - begin, mean);
-		classed += end - begin;
-		fit->classes[fit->class_count++] = (esk_class_mean){fellows[begin].class, mean};
+		for (size_t i = begin; i < end; i++)
+			squares += (fellows[i].log_fellow - mean) * (fellows[i].log_fellow - mean);
+		if (!fellows[begin].twin)
+			fit->classes[fit->class_count++] = (esk_class_mean){fellows[begin].class, mean};
 	}
-	fit->deviation = deviation_of(squares, classed);
+	fit->deviation = sqrt(squares / (SUPPOSED + (double)fit->fellows));
 }
 
 static bool fit_distances(const esk_trial *trials, size_t count, int omitted, esk_fit *fit)
