@@ -6,8 +6,8 @@
  *
  * z measures ln distance to the nearest fellow in standard deviations. The mean of a class is drawn to that of all by
  * DRAWN fellows' weight, so that a class with one or two has a mean as well; the deviation is that within classes. How near
- * two bones of one person are says little of other people: a class of one subject has the mean of all, and adds only to that and to
- * the deviation. */
+ * two bones of one person are says little of other people: a class of one subject has the mean of all, and adds only to
+ * that and to the deviation. */
 #ifndef ESK_FIT_H
 #define ESK_FIT_H
 

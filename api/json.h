@@ -8,7 +8,8 @@
 json_t *esk_json_real(double value);
 json_t *esk_json_reals(const double *values, size_t count);
 
-/* One line of compact text, ended as terminals like it; numbers have 15 digits; takes value. NULL when memory ran out. free() it. */
+/* One line of compact text, ended as terminals like it; numbers have 15 digits; takes value. NULL when memory ran out.
+ * free() it. */
 char *esk_json_text(json_t *value);
 
 #endif

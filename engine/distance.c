@@ -5,6 +5,11 @@
  * levels are put together as means per class.
  * Where we differ from the paper: logarithms by default, all levels instead of one, and a term for size (eskel.h).
  *
+ * Of the 36 combinations of options (eskel evaluate --all), the default, log summed over levels by Manhattan differences
+ * with size, is the best or as good as the best at finding the class: nearest neighbour 1.000 of 44 bones of other
+ * people, .602 of 108 twins of the AAL atlas; the paper's best are .977 and .463. The root of differences gains on
+ * generated articulated shapes (.87 to .93) and on coarse resamplings, for an exact search that takes 60 times as long.
+ *
  * The distance from a to b is that from b to a, bit for bit: a level's matching is always solved with the shape
  * whose numbers come first in lexicographic order as the rows, so ties and rounding fall the same way. */
 #include "distance.h"

@@ -2,8 +2,9 @@
  * on, until few are left; compare those to full depth.
  *
  * Read literally, "until 10 or less remain" overshoots: of 116 shapes 12 and then 2 would be left. So a step never
- * keeps fewer than 10 (or as many as are asked for), nor fewer than are wanted. A shape that lacks a step's level is compared at the deepest level that
- * both have. Nothing is proven unless all were compared: a discarded shape may be nearer in the end.
+ * keeps fewer than 10 (or as many as are asked for), nor fewer than are wanted. A shape that lacks a step's level is
+ * compared at the deepest level that both have. Nothing is proven unless all were compared: a discarded shape may be
+ * nearer in the end.
  *
  * Which shapes a step keeps is decided to the last bit, but for the first two steps, which look at many, few distances are
  * computed: levels 1 and 2 are scanned as codes (scan.h), which tell a distance within a small width, and only shapes
