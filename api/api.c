@@ -2,6 +2,7 @@
 #include "api.h"
 
 #include "calibration.h"
+#include "job.h"
 #include "pruning.h"
 
 #include <stdio.h>
@@ -168,8 +169,9 @@ eskel_store_status eskel_api_open(
 	if (status == ESKEL_STORE_OK) {
 		opened->calibration = esk_calibration_new(opened);
 		opened->pruning = esk_pruning_new(opened);
+		opened->jobs = esk_jobs_new(opened);
 	}
-	if (status == ESKEL_STORE_OK && !(opened->known && opened->calibration && opened->pruning))
+	if (status == ESKEL_STORE_OK && !(opened->known && opened->calibration && opened->pruning && opened->jobs))
 		status = refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 	if (status == ESKEL_STORE_OK)
 		*api = opened;
@@ -182,6 +184,7 @@ void eskel_api_close(eskel_api *api)
 {
 	if (!api)
 		return;
+	esk_jobs_free(api->jobs);
 	esk_pruning_free(api->pruning);
 	esk_calibration_free(api->calibration);
 	esk_known_free(api->known);

@@ -20,6 +20,7 @@ struct eskel_api {
 	esk_known *known;
 	struct esk_calibration *calibration;
 	struct esk_pruning *pruning;
+	struct esk_jobs *jobs;
 	pthread_rwlock_t changing;
 	eskel_api_options options;
 };

@@ -178,6 +178,13 @@ static bool next(void *context, esk_text *piece)
 	return !piece->failed;
 }
 
+/* An esk_stream's. */
+static double progress(const void *context)
+{
+	const source *s = context;
+	return s->cell_count ? (double)s->cell / (double)s->cell_count : 1;
+}
+
 static bool answer_whole(eskel_exchange *exchange, source *s)
 {
 	esk_text body = {0};
@@ -193,7 +200,7 @@ static bool answer_whole(eskel_exchange *exchange, source *s)
 /* Takes the source. */
 static bool answer_streamed(eskel_exchange *exchange, source *s)
 {
-	const esk_stream stream = {next, free_source, s};
+	const esk_stream stream = {next, free_source, progress, s};
 	size_t size = ESKEL_SIZE_UNKNOWN;
 	if (s->format->cell_size > 0) {
 		esk_text head = {0};

@@ -16,6 +16,7 @@ typedef struct {
 	bool (*next)(
 		void *source, esk_text *piece); /* appends the next piece, nothing at the end; false: memory ran out */
 	void (*free)(void *source);
+	double (*progress)(const void *source); /* the share that is there, 0 to 1; NULL: not known */
 	void *source;
 } esk_stream;
 

@@ -23,6 +23,11 @@ bool esk_check_volume(eskel_exchange *exchange);
 bool esk_distances_check(eskel_exchange *exchange); /* distances.c */
 bool esk_distances_get(eskel_exchange *exchange);
 bool esk_evaluation_get(eskel_exchange *exchange); /* evaluate.c */
+bool esk_distances_post(eskel_exchange *exchange); /* jobs.c */
+bool esk_jobs_get(eskel_exchange *exchange);
+bool esk_job_get(eskel_exchange *exchange);
+bool esk_job_delete(eskel_exchange *exchange);
+bool esk_job_get_result(eskel_exchange *exchange);
 bool esk_health_live(eskel_exchange *exchange);    /* health.c */
 bool esk_health_ready(eskel_exchange *exchange);
 bool esk_openapi_get(eskel_exchange *exchange); /* openapi.c */
