@@ -553,6 +553,22 @@ typedef struct {
 ESKEL_API eskel_status eskel_partition_signature_compare(const eskel_partition_signature *a,
 	const eskel_partition_signature *b, eskel_size size, eskel_partition_difference *difference);
 
+/* ---------------------------------------------------------------------------------------------- position signature */
+
+/* The log signature with |x|, |y|, |z| of a class centre in the natural frame (section 2.2) in the place of rho: no rotation,
+ * translation or mirror changes it. Where two eigenvalues of the whole are close the frame is noise. Levels above 16 are
+ * left out. */
+typedef struct eskel_position_signature eskel_position_signature;
+
+ESKEL_API eskel_status eskel_position_signature_new(const eskel_skeleton *skeleton,
+	eskel_position_signature **signature);
+ESKEL_API void eskel_position_signature_free(eskel_position_signature *signature);
+/* In bytes; 3,800 with 16 levels. */
+ESKEL_API size_t eskel_position_signature_size(const eskel_position_signature *signature);
+/* The mean of matching cost / k over the levels that both have; size fixed adds 0.2 |ln V - ln V'|. */
+ESKEL_API double eskel_position_distance(const eskel_position_signature *a, const eskel_position_signature *b,
+	eskel_size size);
+
 /* ---------------------------------------------------------------------------------------------- superposition */
 
 /* An isometry that lays a shape on another one. */

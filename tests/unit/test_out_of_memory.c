@@ -41,10 +41,11 @@ void *__wrap_realloc(void *old, size_t size)
 	return fails() ? NULL : __real_realloc(old, size);
 }
 
-/* From a cloud to its skeleton, its encoding, and the skeleton decoded from that. */
+/* From a cloud to its skeleton, its encoding, the skeleton decoded from that, and its position signature. */
 static eskel_status run_skeleton(const eskel_cloud *cloud, eskel_error *error)
 {
 	eskel_skeleton *skeleton = NULL, *again = NULL;
+	eskel_position_signature *positions = NULL;
 	uint8_t *encoded = NULL;
 	size_t encoded_size = 0;
 	const eskel_skeleton_options options = {.levels = 3, .coarse_start = true};
@@ -55,7 +56,13 @@ static eskel_status run_skeleton(const eskel_cloud *cloud, eskel_error *error)
 	if (status == ESKEL_OK)
 		status = eskel_skeleton_decode(encoded, encoded_size, &again, error);
 	assert_int_equal(status != ESKEL_OK, again == NULL);
+	if (status == ESKEL_OK) {
+		status = eskel_position_signature_new(again, &positions);
+		assert_int_equal(status != ESKEL_OK, positions == NULL);
+		error->status = ESKEL_NO_MEMORY; /* it has no error of its own */
+	}
 	free(encoded);
+	eskel_position_signature_free(positions);
 	eskel_skeleton_free(again);
 	eskel_skeleton_free(skeleton);
 	return status;
