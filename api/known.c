@@ -31,6 +31,7 @@ static void free_entry(entry *e)
 {
 	if (!e)
 		return;
+	eskel_position_signature_free(e->known.positions);
 	eskel_placement_free(e->known.placement);
 	eskel_signature_free(e->known.signature);
 	eskel_shape_clear(&e->known.shape);
@@ -47,7 +48,8 @@ static size_t size_of(const entry *e)
 	const eskel_shape *shape = &e->known.shape;
 	const eskel_description *said = &shape->description;
 	const eskel_signature *signature = e->known.signature;
-	size_t size = sizeof *e + eskel_placement_size(e->known.placement) + sizeof *signature +
+	size_t size = sizeof *e + eskel_placement_size(e->known.placement) +
+		      eskel_position_signature_size(e->known.positions) + sizeof *signature +
 		      ESKEL_NODES(signature->level_count) * sizeof *signature->rows;
 	size += text_size(said->name) + text_size(said->class) + text_size(said->subject);
 	size += shape->warning_count * sizeof *shape->warnings + said->attribute_count * sizeof *said->attributes;
@@ -62,7 +64,9 @@ static eskel_store_status read_objects(eskel_store *store, entry *e, eskel_store
 	eskel_store_status status = eskel_store_signature(store, e->known.shape.key, &e->known.signature, error);
 	if (status == ESKEL_STORE_OK)
 		status = eskel_store_skeleton(store, e->known.shape.key, &skeleton, error);
-	if (status == ESKEL_STORE_OK && eskel_placement_new(skeleton, &e->known.placement) != ESKEL_OK)
+	if (status == ESKEL_STORE_OK &&
+		(eskel_placement_new(skeleton, &e->known.placement) != ESKEL_OK ||
+			eskel_position_signature_new(skeleton, &e->known.positions) != ESKEL_OK))
 		status = ESKEL_STORE_NO_MEMORY;
 	eskel_skeleton_free(skeleton);
 	return status;
@@ -237,7 +241,7 @@ void esk_known_drop(esk_known *known, int64_t key)
 
 esk_known *esk_known_new(eskel_store *store, uint64_t most_bytes)
 {
-	enum { BYTES_A_BUCKET = 16384 }; /* a little less than an entry */
+	enum { BYTES_A_BUCKET = 16384 }; /* less than an entry */
 	size_t buckets = 1;
 	while (buckets < most_bytes / BYTES_A_BUCKET)
 		buckets *= 2;

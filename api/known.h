@@ -1,4 +1,4 @@
-/* Shapes that recognitions have met, kept in memory: what is said of them, their signature and their placement. Reading
+/* Shapes that recognitions have met, kept in memory: what is said of them, their signatures and their placement. Reading
  * these from the store costs more than a search among 100,000 shapes.
  *
  * The least recently used go first when there is no more room. Whoever has changed a shape in the store drops it here
@@ -14,10 +14,11 @@ typedef struct esk_known esk_known;
 typedef struct {
 	eskel_shape shape;
 	eskel_signature *signature;
+	eskel_position_signature *positions;
 	eskel_placement *placement;
 } esk_known_shape;
 
-/* NULL when memory ran out. Shapes of 16 levels take 20 kB each. */
+/* NULL when memory ran out. Shapes of 16 levels take 24 kB each. */
 esk_known *esk_known_new(eskel_store *store, uint64_t most_bytes);
 void esk_known_free(esk_known *known);
 

@@ -226,6 +226,7 @@ static const char *const signatures[] = {"log", "paper", NULL};
 static const char *const distances[] = {"sum", "level", NULL};
 static const char *const metrics[] = {"manhattan", "euclidean", "root", NULL};
 static const char *const scales[] = {"none", "neighbourhood", NULL};
+static const char *const orders[] = {"distance", "position", NULL};
 static const char *const sizes[] = {"fixed", "free", NULL};
 static const char *const left_out[] = {"shape", "subject", NULL};
 static const char *const formats[] = {"json", "csv", "npy", "svg", NULL};
@@ -262,6 +263,7 @@ static const struct parameter parameters[] = {
 	{.name = "mode", .take = take_choice, FIELD(mode), .choices = modes},
 	{.name = "name", .take = take_text, FIELD(name)},
 	{.name = "not.subject", .take = take_text, FIELD(not_subject)},
+	{.name = "order", .take = take_choice, FIELD(order), .choices = orders},
 	{.name = "plot", .take = take_choice, FIELD(plot), .choices = plots},
 	{.name = "q", .take = take_text, FIELD(text)},
 	{.name = "scale", .take = take_choice, FIELD(scale), .choices = scales},

@@ -16,6 +16,7 @@ typedef struct {
 } esk_label_words;
 
 enum { ESK_FORMAT_JSON, ESK_FORMAT_CSV, ESK_FORMAT_NPY, ESK_FORMAT_SVG, ESK_FORMAT_UNSAID };
+enum { ESK_ORDER_DISTANCE, ESK_ORDER_POSITION };
 enum { ESK_PLOT_HEATMAP, ESK_PLOT_MAP, ESK_PLOT_UNSAID };
 
 typedef struct esk_parameters {
@@ -42,6 +43,7 @@ typedef struct esk_parameters {
 	unsigned limit, level, levels, minimum;                  /* 0: not given */
 	double keep;                                             /* 0: not given */
 	unsigned mode, scale, signature, distance, metric, size; /* of the enums of eskel.h */
+	unsigned order;                                          /* ESK_ORDER_... */
 	unsigned format;                                         /* ESK_FORMAT_... */
 	unsigned plot;                                           /* ESK_PLOT_... */
 	unsigned explain;

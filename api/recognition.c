@@ -6,6 +6,9 @@
 
 #include <stdlib.h>
 
+/* What order=position chooses from: as many as scale=neighbourhood (eskel.h). */
+enum { LEAST_SHORTLIST = 40, BEYOND_LIMIT = 35 };
+
 bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem)
 {
 	eskel_store_error error = {0};
@@ -104,10 +107,42 @@ void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *
 	esk_evidence_of_votes(votes, count, evidence);
 }
 
+static size_t shortlist(size_t limit)
+{
+	return limit + BEYOND_LIMIT > LEAST_SHORTLIST ? limit + BEYOND_LIMIT : LEAST_SHORTLIST;
+}
+
+static int by_position(const void *a, const void *b)
+{
+	const esk_neighbour *p = a, *q = b;
+	if (p->position_distance != q->position_distance)
+		return p->position_distance < q->position_distance ? -1 : 1;
+	return (p->found->key > q->found->key) - (p->found->key < q->found->key);
+}
+
+static bool order_by_position(
+	const esk_unknown *unknown, eskel_size size, esk_recognition *recognition, esk_problem *problem)
+{
+	eskel_position_signature *positions = NULL;
+	eskel_status status = eskel_position_signature_new(unknown->skeleton, &positions);
+	if (!esk_problem_engine(problem, status, NULL))
+		return false;
+	for (size_t i = 0; i < recognition->count; i++) {
+		esk_neighbour *neighbour = &recognition->neighbours[i];
+		neighbour->position_distance = eskel_position_distance(positions, neighbour->known->positions, size);
+	}
+	eskel_position_signature_free(positions);
+	qsort(recognition->neighbours, recognition->count, sizeof *recognition->neighbours, by_position);
+	recognition->proven = recognition->search->count == recognition->search->library;
+	return true;
+}
+
 bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice,
 	const esk_parameters *query, esk_recognition *recognition, esk_problem *problem)
 {
-	const size_t limit = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
+	const bool by_distance = query->order == ESK_ORDER_DISTANCE;
+	const size_t wanted = query->limit ? query->limit : ESK_NEIGHBOURS_DEFAULT;
+	const size_t limit = by_distance ? wanted : shortlist(wanted);
 	eskel_search_options options = {
 		.distance = esk_parameters_distance(query),
 		.mode = (eskel_search_mode)query->mode,
@@ -126,7 +161,8 @@ bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_
 	if (!recognition->search->proven && !esk_pruning_risk(api->pruning, &options, &recognition->risk, problem))
 		return false;
 	esk_verdict_of_evidence(&evidence, &scores, &unknown->shape->description, &recognition->verdict);
-	return true;
+	recognition->proven = recognition->search->proven;
+	return by_distance || order_by_position(unknown, options.distance.size, recognition, problem);
 }
 
 void esk_recognition_clear(eskel_api *api, esk_recognition *recognition)

@@ -14,7 +14,7 @@ typedef struct {
 	const eskel_shape *shape;
 	const eskel_placement *placement;
 	const eskel_signature *signature;
-	const eskel_skeleton *skeleton; /* for explain only */
+	const eskel_skeleton *skeleton; /* for explain and order=position only */
 } esk_unknown;
 
 /* What it is compared with: the keys that a filter leaves, or all. */
@@ -27,15 +27,17 @@ typedef struct {
 	const eskel_neighbour *found; /* of the search result */
 	const esk_known_shape *known;
 	eskel_chirality chirality;
+	double position_distance; /* with order=position */
 	eskel_skeleton *skeleton; /* of those explained, otherwise NULL */
 } esk_neighbour;
 
 typedef struct {
 	eskel_search_result *search;
 	double milliseconds; /* of the search */
+	bool proven;         /* no shape that is left out comes before one of the neighbours */
 	esk_risk risk;       /* that the nearest shape was pruned */
 	size_t count;
-	esk_neighbour *neighbours; /* found by the search and still stored */
+	esk_neighbour *neighbours; /* found by the search and still stored, in the order asked for */
 	esk_verdict verdict;
 } esk_recognition;
 

@@ -20,8 +20,8 @@ static json_t *search_json(const esk_recognition *recognition, const esk_paramet
 						(json_int_t)recognition->risk.trials, "library",
 						(json_int_t)recognition->risk.library);
 	return json_pack("{s:s, s:b, s:o, s:s, s:I, s:I, s:o, s:o}", "mode",
-		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)search->proven, "risk", risk,
-		"distance", query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library",
+		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)recognition->proven, "risk",
+		risk, "distance", query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library",
 		(json_int_t)search->library, "compared", (json_int_t)search->compared, "kept", kept, "milliseconds",
 		esk_json_real(round(1e3 * recognition->milliseconds) / 1e3));
 }
@@ -56,6 +56,16 @@ static bool explain_query(json_t *json, const eskel_skeleton *skeleton, const es
 	return json_object_set_new(json, "classes", classes) == 0;
 }
 
+/* What the neighbours are ordered by, where that is not the distance. */
+static bool add_order(json_t *json, const esk_neighbour *neighbour, const esk_parameters *query)
+{
+	if (query->scale == ESKEL_SCALE_NEIGHBOURHOOD)
+		return json_object_set_new(json, "scaled", esk_json_real(neighbour->found->scaled)) == 0;
+	if (query->order == ESK_ORDER_POSITION)
+		return json_object_set_new(json, "position_distance", esk_json_real(neighbour->position_distance)) == 0;
+	return true;
+}
+
 static json_t *neighbour_json(const esk_unknown *unknown, const esk_neighbour *neighbour, const esk_parameters *query)
 {
 	const eskel_neighbour *found = neighbour->found;
@@ -65,8 +75,7 @@ static json_t *neighbour_json(const esk_unknown *unknown, const esk_neighbour *n
 		"class", said->class, "side", esk_value_side_text(said->side), "subject", said->subject, "distance",
 		esk_json_real(found->distance), "levels", esk_json_reals(found->levels, found->level_count),
 		"chirality", chirality_json(&neighbour->chirality));
-	if (json && query->scale == ESKEL_SCALE_NEIGHBOURHOOD &&
-		json_object_set_new(json, "scaled", esk_json_real(found->scaled)) != 0) {
+	if (json && !add_order(json, neighbour, query)) {
 		json_decref(json);
 		return NULL;
 	}

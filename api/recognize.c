@@ -21,6 +21,9 @@ bool esk_recognize_check(eskel_exchange *exchange)
 		return esk_problem_set(&exchange->problem, 400,
 			"%s is given without a use, expected mode=pruned beside it",
 			query->keep > 0 ? "keep" : "minimum");
+	if (query->order == ESK_ORDER_POSITION && query->scale == ESKEL_SCALE_NEIGHBOURHOOD)
+		return esk_problem_set(&exchange->problem, 400,
+			"order=position is given beside scale=neighbourhood, expected one of the two");
 	return true;
 }
 
@@ -42,12 +45,12 @@ static bool answer_results(eskel_exchange *exchange, json_t *results)
 	return esk_exchange_answer_json(exchange, 200, json_pack("{s:o}", "results", results));
 }
 
-/* Of a stored shape what recognition needs, and its skeleton where it is to be explained. */
+/* Of a stored shape what recognition needs, and its skeleton where that is explained or gives the order. */
 static bool know(eskel_exchange *exchange, const char *id, const esk_known_shape **known, eskel_skeleton **skeleton)
 {
 	eskel_store_error error = {0};
 	eskel_store_status status = esk_known_by_id(exchange->api->known, id, known, &error);
-	if (status == ESKEL_STORE_OK && exchange->query.explain)
+	if (status == ESKEL_STORE_OK && (exchange->query.explain || exchange->query.order == ESK_ORDER_POSITION))
 		status = eskel_store_skeleton(exchange->api->store, (*known)->shape.key, skeleton, &error);
 	if (status == ESKEL_STORE_NOT_FOUND)
 		return esk_problem_no_shape(&exchange->problem, id);

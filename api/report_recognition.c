@@ -10,10 +10,31 @@ static const esk_column neighbour_columns[] = {{"#", true}, {"name", false}, {"c
 static const esk_column scaled_columns[] = {{"#", true}, {"name", false}, {"class", false}, {"side", false},
 	{"subject", false}, {"scaled", true}, {"distance", true}, {"chirality", false}, {"score", true}, {"id", false}};
 
-/* Whether neighbours are ordered by scaled distances. */
-static bool is_scaled(const json_t *result)
+static const esk_column position_columns[] = {{"#", true}, {"name", false}, {"class", false}, {"side", false},
+	{"subject", false}, {"position", true}, {"distance", true}, {"chirality", false}, {"score", true},
+	{"id", false}};
+
+/* What neighbours are ordered by where it is not the distance: a member of each, and a column before the distance. */
+typedef struct {
+	const char *member;
+	const esk_column *columns;
+	size_t column_count;
+	const char *unproven;
+} neighbour_order;
+
+static const neighbour_order orders[] = {
+	{"scaled", scaled_columns, sizeof scaled_columns / sizeof *scaled_columns, "only the nearest were scaled"},
+	{"position_distance", position_columns, sizeof position_columns / sizeof *position_columns,
+		"only the nearest were put in order"},
+};
+
+/* NULL: by distance. */
+static const neighbour_order *order_of(const json_t *neighbour)
 {
-	return json_object_get(json_array_get(json_object_get(result, "neighbours"), 0), "scaled") != NULL;
+	for (size_t i = 0; i < sizeof orders / sizeof *orders; i++)
+		if (json_object_get(neighbour, orders[i].member))
+			return &orders[i];
+	return NULL;
 }
 
 /* Whether the verdict agrees with what is recorded of the query. */
@@ -50,46 +71,45 @@ static void add_verdict(esk_table *table, const json_t *result, const char *sour
 	esk_report_number(table, json_object_get(result, "search"), "milliseconds", 1);
 }
 
-static void add_neighbour(esk_table *table, const json_t *neighbour, size_t rank)
+static void add_neighbour(esk_table *table, const neighbour_order *order, const json_t *neighbour, size_t rank)
 {
 	esk_table_format(table, "%zu", rank);
 	esk_report_name(table, neighbour, "-");
 	esk_table_cell(table, esk_report_member(neighbour, "class"));
 	esk_table_cell(table, esk_report_member(neighbour, "side"));
 	esk_table_cell(table, esk_report_member(neighbour, "subject"));
-	if (json_object_get(neighbour, "scaled"))
-		esk_report_number(table, neighbour, "scaled", 4);
+	if (order)
+		esk_report_number(table, neighbour, order->member, 4);
 	esk_report_number(table, neighbour, "distance", 4);
 	add_chirality(table, neighbour);
 	esk_table_cell(table, esk_report_member(neighbour, "id"));
 }
 
-static bool write_neighbours(const json_t *result, FILE *out, bool colour)
+static bool write_neighbours(const json_t *result, const neighbour_order *order, FILE *out, bool colour)
 {
 	size_t i;
 	json_t *neighbour;
 	esk_table *table =
-		is_scaled(result)
-			? esk_table_new(scaled_columns, sizeof scaled_columns / sizeof *scaled_columns)
-			: esk_table_new(neighbour_columns, sizeof neighbour_columns / sizeof *neighbour_columns);
+		order ? esk_table_new(order->columns, order->column_count)
+		      : esk_table_new(neighbour_columns, sizeof neighbour_columns / sizeof *neighbour_columns);
 	json_array_foreach (json_object_get(result, "neighbours"), i, neighbour)
-		add_neighbour(table, neighbour, i + 1);
+		add_neighbour(table, order, neighbour, i + 1);
 	fputc('\n', out);
 	bool whole = esk_table_write(table, out, colour);
 	esk_table_free(table);
 	return whole;
 }
 
-static void write_search(const json_t *result, FILE *out)
+static void write_search(const json_t *result, const neighbour_order *order, FILE *out)
 {
 	const json_t *search = json_object_get(result, "search");
 	fprintf(out, "\nsearched %lld shapes, mode ",
 		(long long)json_integer_value(json_object_get(search, "library")));
 	esk_table_write_plain(out, esk_report_member(search, "mode"));
-	fputs(json_is_true(json_object_get(search, "proven")) ? ": proven, no other shape is nearer\n"
-		: is_scaled(result)                           ? ": not proven, only the nearest were scaled\n"
-							      : ": not proven, a nearer shape may have been pruned\n",
-		out);
+	if (json_is_true(json_object_get(search, "proven")))
+		fputs(": proven, no other shape is nearer\n", out);
+	else
+		fprintf(out, ": not proven, %s\n", order ? order->unproven : "a nearer shape may have been pruned");
 }
 
 /* The whole, how deep the trees agree, and how well one shape lies on the other. */
@@ -147,9 +167,11 @@ bool esk_report_recognition(const json_t *answers, FILE *out, bool colour)
 	bool whole = esk_table_write(table, out, colour);
 	esk_table_free(table);
 	if (count == 1) {
-		whole = write_neighbours(only, out, colour) && whole;
-		write_search(only, out);
-		write_differences(json_array_get(json_object_get(only, "neighbours"), 0), out);
+		const json_t *nearest = json_array_get(json_object_get(only, "neighbours"), 0);
+		const neighbour_order *order = order_of(nearest);
+		whole = write_neighbours(only, order, out, colour) && whole;
+		write_search(only, order, out);
+		write_differences(nearest, out);
 	}
 	return whole;
 }

@@ -8,7 +8,7 @@
 
 #define FILTER "class", "side", "subject", "sex", "age_min", "age_max", "attr.KEY", "q"
 #define DISTANCE "signature", "distance", "level", "metric", "size"
-#define SEARCH "limit", "mode", "keep", "minimum", "scale", DISTANCE, "not.subject", "explain", FILTER
+#define SEARCH "limit", "mode", "keep", "minimum", "scale", "order", DISTANCE, "not.subject", "explain", FILTER
 #define LABELS "label", "label.N.name", "label.N.class", "label.N.side"
 
 static const char *const nothing[] = {NULL};

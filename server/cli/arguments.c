@@ -55,6 +55,8 @@ static const esk_option options[] = {
 	{"minimum", "N", RECOGNIZE, "minimum", "for --mode pruned: the fewest that a level keeps (10)"},
 	{"scale", "KIND", RECOGNIZE, "scale",
 		"none (default), or neighbourhood: distances mean more where shapes are dense"},
+	{"order", "KIND", RECOGNIZE, "order",
+		"distance (default), or position: of the nearest, those whose parts lie alike come first"},
 	{"explain", NULL, RECOGNIZE, "explain=true", "with matched classes and what differs"},
 	{"signature", "KIND", COMPARED, "signature", "log (default) or paper"},
 	{"distance", "KIND", COMPARED, "distance", "sum over the levels (default) or one level"},

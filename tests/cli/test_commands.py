@@ -88,6 +88,12 @@ class Commands(Served):
         self.assertRegex(run.stdout, r"\nas a whole: of the same size\nthe trees agree down to level \d+; "
                                      r"laid on it mirrored, class centres lie 0\.\d mm off \(rms\)\n")
 
+    def test_neighbours_can_come_in_the_order_of_their_positions(self):
+        run = self.eskel("recognize", self.ids["hook_left"], "--order", "position")
+        self.assertRegex(run.stdout, r"\n#  name +class +side +subject +position  distance  ")
+        self.assertRegex(run.stdout, r"\n1  hook_right +hook +right ")
+        self.assertIn("mode exact: proven, no other shape is nearer\n", run.stdout)
+
     def test_nothing_to_recognize_it_by_is_exit_code_1(self):
         for options in ([], ["--json"]):
             run = self.eskel("recognize", self.volume, "--not-subject", "S1", *options)

@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "api.h"
 #include "api/client.h"
 
 #include <math.h>
@@ -228,6 +229,87 @@ static void scaled_neighbours_come_in_the_order_of_their_scaled_distances(void *
 	answer_free(&a);
 }
 
+static eskel_position_signature *positions_of(eskel_api *api, const char *id)
+{
+	eskel_shape shape;
+	eskel_skeleton *skeleton = NULL;
+	eskel_position_signature *positions = NULL;
+	assert_int_equal(eskel_store_shape(api->store, id, &shape, NULL), ESKEL_STORE_OK);
+	assert_int_equal(eskel_store_skeleton(api->store, shape.key, &skeleton, NULL), ESKEL_STORE_OK);
+	assert_int_equal(eskel_position_signature_new(skeleton, &positions), ESKEL_OK);
+	eskel_skeleton_free(skeleton);
+	eskel_shape_clear(&shape);
+	return positions;
+}
+
+/* Every neighbour's is the engine's, and they ascend. */
+static void assert_order_by_position(eskel_api *api, const answer *a, const char *id, eskel_size size)
+{
+	size_t i;
+	json_t *neighbour;
+	double last = 0;
+	eskel_position_signature *mine = positions_of(api, id);
+	json_array_foreach (at(a, "results.0.neighbours"), i, neighbour) {
+		eskel_position_signature *other =
+			positions_of(api, json_string_value(json_object_get(neighbour, "id")));
+		const double found = json_real_value(json_object_get(neighbour, "position_distance"));
+		assert_true(fabs(found - eskel_position_distance(mine, other, size)) < 1e-12);
+		assert_true(found >= last);
+		last = found;
+		eskel_position_signature_free(other);
+	}
+	assert_true(last > 0);
+	eskel_position_signature_free(mine);
+}
+
+static void neighbours_can_come_in_the_order_of_their_positions(void **state)
+{
+	api_fixture *f = *state;
+	char ids[3][2][ESKEL_ID_SIZE];
+	enroll_left_bones(f->api, ids);
+	answer plain = get(f->api, "/recognize?shape=%s", ids[1][0]);
+	assert_null(json_object_get(at(&plain, "results.0.neighbours.0"), "position_distance"));
+	static const char *const sizes[] = {"fixed", "free"};
+	for (unsigned size = 0; size < 2; size++) {
+		answer a = get(f->api, "/recognize?shape=%s&order=position&size=%s", ids[1][0], sizes[size]);
+		assert_status(&a, 200);
+		assert_int_equal(json_array_size(at(&a, "results.0.neighbours")), 5);
+		assert_order_by_position(f->api, &a, ids[1][0], (eskel_size)size);
+		assert_true(json_is_true(at(&a, "results.0.search.proven")));
+		if (size == ESKEL_SIZE_FIXED)
+			assert_true(json_equal(at(&a, "results.0.verdict"), at(&plain, "results.0.verdict")));
+		answer_free(&a);
+	}
+	volume_file file = volume_of_family(8, 0, 0);
+	answer posted = post_volume(f->api, &file, "/recognize?order=position&limit=2&explain=true");
+	assert_status(&posted, 200);
+	assert_int_equal(json_array_size(at(&posted, "results.0.neighbours")), 2);
+	assert_string_equal(text_at(&posted, "results.0.neighbours.0.id"), ids[1][0]);
+	assert_true(number_at(&posted, "results.0.neighbours.0.position_distance") < 1e-6);
+	assert_order_by_position(f->api, &posted, ids[1][0], ESKEL_SIZE_FIXED);
+	answer_free(&plain);
+	answer_free(&posted);
+	volume_free(&file);
+}
+
+static void an_order_of_some_is_not_proven(void **state)
+{
+	api_fixture *f = *state;
+	char ids[44][ESKEL_ID_SIZE];
+	for (unsigned i = 0; i < 44; i++)
+		enroll_blob(f->api, i % 36, i / 36, 0, "levels=3", ids[i]);
+	answer some = get(f->api, "/recognize?shape=%s&order=position", ids[7]);
+	assert_int_equal(json_array_size(at(&some, "results.0.neighbours")), 5);
+	assert_true(json_is_false(at(&some, "results.0.search.proven")));
+	assert_true(json_is_null(at(&some, "results.0.search.risk")));
+	assert_order_by_position(f->api, &some, ids[7], ESKEL_SIZE_FIXED);
+	answer all = get(f->api, "/recognize?shape=%s&order=position&limit=8", ids[7]);
+	assert_int_equal(json_array_size(at(&all, "results.0.neighbours")), 8);
+	assert_true(json_is_true(at(&all, "results.0.search.proven")));
+	answer_free(&some);
+	answer_free(&all);
+}
+
 static void an_explanation_matches_classes_and_names_differences(void **state)
 {
 	api_fixture *f = *state;
@@ -364,6 +446,8 @@ int main(void)
 		api_test(a_filter_says_nothing_of_a_posted_label),
 		api_test(every_kind_of_distance_ranks_a_near_copy_first),
 		api_test(scaled_neighbours_come_in_the_order_of_their_scaled_distances),
+		api_test(neighbours_can_come_in_the_order_of_their_positions),
+		api_test(an_order_of_some_is_not_proven),
 		api_test(an_explanation_matches_classes_and_names_differences),
 		api_test(an_explanation_lays_a_shape_on_its_mirror_image),
 		api_test(only_the_neighbours_that_are_answered_are_explained),

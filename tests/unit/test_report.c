@@ -179,6 +179,22 @@ static void a_single_recognition_lists_its_neighbours_and_explains_itself(void *
 	eskel_report_free(report);
 }
 
+static void position_distances_have_a_column_and_are_not_called_pruned(void **state)
+{
+	(void)state;
+	eskel_report *report = report_of(ESKEL_REPORT_RECOGNITION);
+	add(report, "a.nii",
+		"{\"results\":[{\"query\":{\"name\":\"a\"},\"search\":{\"mode\":\"exact\",\"proven\":false,\"library\":"
+		"78},\"neighbours\":[{\"id\":\"77\",\"name\":\"b\",\"distance\":0.5,\"position_distance\":0.75}],"
+		"\"verdict\":{}}]}");
+	char *text = eskel_report_text(report, false);
+	assert_non_null(strstr(text, "\n#  name  class  side  subject  position  distance  "));
+	assert_non_null(strstr(text, " 0.7500 "));
+	assert_non_null(strstr(text, "mode exact: not proven, only the nearest were put in order\n"));
+	free(text);
+	eskel_report_free(report);
+}
+
 static void scaled_distances_have_a_column_and_are_not_called_pruned(void **state)
 {
 	(void)state;
@@ -421,6 +437,7 @@ int main(void)
 		cmocka_unit_test(a_recognition_says_class_side_and_whether_the_label_agrees),
 		cmocka_unit_test(a_check_is_a_row_a_label_and_a_line_a_finding),
 		cmocka_unit_test(a_single_recognition_lists_its_neighbours_and_explains_itself),
+		cmocka_unit_test(position_distances_have_a_column_and_are_not_called_pruned),
 		cmocka_unit_test(scaled_distances_have_a_column_and_are_not_called_pruned),
 		cmocka_unit_test(colour_marks_a_label_that_disagrees),
 		cmocka_unit_test(a_matrix_has_one_numbered_column_a_row),
