@@ -1,7 +1,8 @@
-/* The push decoder: bytes in pieces of any size -> inflated -> header -> voxels -> runs per label.
+/* The push decoder: bytes in pieces of any size -> inflated -> header -> voxels, inflated or read as text -> runs
+ * per label.
  *
  * Each stage keeps only what it cannot yet pass on: the inflater a fixed window, the header stage the header's bytes,
- * the voxel stage the broken-off voxel at the end of a piece. So memory is bounded by the runs, and the result,
+ * the voxel stage the broken-off voxel, or number, at the end of a piece. So memory is bounded by the runs, and the result,
  * including which error a bad file gives, does not depend on how the file was cut: each stage sees every byte before
  * the fault and none after it. (But for two bytes where gzip data break off: see inflater.h.)
  *
@@ -10,6 +11,7 @@
 #include "error.h"
 #include "gzip.h"
 #include "memory.h"
+#include "number_text.h"
 #include "run_builder.h"
 #include "volume_format.h"
 
@@ -26,24 +28,31 @@ static const uint32_t default_most_labels = 4096;
  * 32 KB before it, so it is not small. */
 enum { window_size = 1 << 18, shortest_header = 4, largest_voxel = 8 };
 
-static esk_header_reader *const header_readers[] = {esk_nifti_read_header};
+static esk_header_reader *const header_readers[] = {esk_nifti_read_header, esk_nrrd_read_header};
 
 typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, FINISHED } phase;
+
+/* Of the whole file, or of the voxels behind the header. */
+typedef struct {
+	esk_gzip *gzip; /* NULL: not gzipped */
+	uint8_t *window;
+} inflation;
 
 struct eskel_volume {
 	phase phase;
 	eskel_error error; /* status other than ESKEL_OK: every further call returns it */
 	uint64_t most_voxels;
 
-	bool begun;     /* the first byte has come */
-	esk_gzip *gzip; /* NULL: not gzipped */
-	uint8_t *window;
+	bool begun; /* the first byte has come */
+	inflation file;
 
 	uint8_t *header_bytes;
 	size_t header_size, header_capacity, header_needed;
 	esk_volume_header header;
 
-	uint64_t bytes_left;           /* of the present phase: before the voxels, of the voxels */
+	inflation voxels;
+	esk_number_text text;
+	uint64_t bytes_left;           /* of the present phase: before the voxels, of the voxels as they are decoded */
 	uint8_t broken[largest_voxel]; /* the first bytes of a voxel that the last piece broke off */
 	size_t broken_size;
 	esk_run_builder *builder;
@@ -88,9 +97,12 @@ void eskel_volume_free(eskel_volume *volume)
 {
 	if (!volume)
 		return;
-	esk_gzip_free(volume->gzip);
-	free(volume->window);
+	esk_gzip_free(volume->file.gzip);
+	free(volume->file.window);
+	esk_gzip_free(volume->voxels.gzip);
+	free(volume->voxels.window);
 	free(volume->header_bytes);
+	esk_label_names_clear(&volume->header.names);
 	esk_run_builder_free(volume->builder);
 	free(volume);
 }
@@ -117,32 +129,88 @@ static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t siz
 	return esk_run_builder_add(v->builder, bytes, whole, error);
 }
 
-static void begin_voxels(eskel_volume *v)
+static eskel_status take_voxels(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
 {
-	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
-	v->phase = IN_VOXELS;
-	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * v->header.voxels.size;
-}
-
-/* From the first byte of the file on: what lies before the voxels, the voxels, nothing. */
-static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	if (v->phase == BEFORE_VOXELS) {
-		size_t skipped = v->bytes_left < size ? (size_t)v->bytes_left : size;
-		v->bytes_left -= skipped;
-		bytes += skipped;
-		size -= skipped;
-		if (v->bytes_left == 0)
-			begin_voxels(v);
-	}
-	if (size == 0)
-		return ESKEL_OK;
 	size_t taken = v->bytes_left < size ? (size_t)v->bytes_left : size;
 	v->bytes_left -= taken;
 	eskel_status status = add_voxels(v, bytes, taken, error);
 	if (status == ESKEL_OK && taken < size)
 		status = esk_error_set(error, ESKEL_MALFORMED, "the file goes on after its last voxel");
 	return status;
+}
+
+/* What takes the bytes that a stage has decoded. */
+typedef eskel_status taker(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error);
+
+static eskel_status begin_inflation(inflation *i, eskel_error *error)
+{
+	i->window = esk_memory_array(window_size, 1);
+	if (!i->window || esk_gzip_new(&i->gzip) != ESKEL_OK)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for inflating");
+	return ESKEL_OK;
+}
+
+static eskel_status take_gzipped(
+	eskel_volume *v, inflation *i, taker *take, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	eskel_status inflated;
+	size_t used;
+	do {
+		inflated = esk_gzip_inflate(i->gzip, &bytes, &size, i->window, window_size, &used, error);
+		/* What came out before a fault is looked at first, as it would be had it come alone. */
+		eskel_status status = take(v, i->window, used, error);
+		if (status != ESKEL_OK)
+			return status;
+	} while (inflated == ESKEL_OK && used == window_size);
+	return inflated;
+}
+
+static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	enum { most_numbers = 512 };
+	double numbers[most_numbers];
+	eskel_status read;
+	size_t count;
+	do {
+		read = esk_number_text_read(&v->text, &bytes, &size, numbers, most_numbers, &count, error);
+		eskel_status status = take_voxels(v, (const uint8_t *)numbers, count * sizeof *numbers, error);
+		if (status != ESKEL_OK)
+			return status;
+	} while (read == ESKEL_OK && count == most_numbers);
+	return read;
+}
+
+static eskel_status begin_voxels(eskel_volume *v, eskel_error *error)
+{
+	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
+	v->phase = IN_VOXELS;
+	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * v->header.voxels.size;
+	return v->header.encoding == ESK_ENCODING_GZIP ? begin_inflation(&v->voxels, error) : ESKEL_OK;
+}
+
+/* From the first byte of the file on: what lies before the voxels, the voxels, nothing. */
+static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	eskel_status status = ESKEL_OK;
+	if (v->phase == BEFORE_VOXELS) {
+		size_t skipped = v->bytes_left < size ? (size_t)v->bytes_left : size;
+		v->bytes_left -= skipped;
+		bytes += skipped;
+		size -= skipped;
+		if (v->bytes_left == 0)
+			status = begin_voxels(v, error);
+	}
+	if (status != ESKEL_OK || size == 0)
+		return status;
+	switch (v->header.encoding) {
+	case ESK_ENCODING_GZIP:
+		return take_gzipped(v, &v->voxels, take_voxels, bytes, size, error);
+	case ESK_ENCODING_TEXT:
+		return take_text(v, bytes, size, error);
+	case ESK_ENCODING_RAW:
+		break;
+	}
+	return take_voxels(v, bytes, size, error);
 }
 
 static eskel_status read_header(eskel_volume *v, eskel_error *error)
@@ -153,7 +221,8 @@ static eskel_status read_header(eskel_volume *v, eskel_error *error)
 		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
 	if (status == ESKEL_NOT_VOLUME)
 		return esk_error_set(error, status,
-			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1 or NIfTI-2 file",
+			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2 or NRRD "
+			"file",
 			bytes[0], bytes[1], bytes[2], bytes[3]);
 	return status;
 }
@@ -167,7 +236,7 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 			"the grid has %u x %u x %u = %llu voxels, expected at most %llu", extent[0], extent[1],
 			extent[2], (unsigned long long)voxels, (unsigned long long)v->most_voxels);
 	esk_run_builder_set_grid(v->builder, &v->header.voxels, extent);
-	v->header.info.gzipped = v->gzip != NULL;
+	v->header.info.gzipped = v->file.gzip != NULL;
 	v->phase = BEFORE_VOXELS;
 	v->bytes_left = v->header.data_offset;
 	return take_body(v, v->header_bytes, v->header_size, error);
@@ -196,30 +265,11 @@ static eskel_status take_inflated(eskel_volume *v, const uint8_t *bytes, size_t 
 	return take_body(v, bytes, size, error);
 }
 
-static eskel_status take_gzipped(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	eskel_status inflated;
-	size_t used;
-	do {
-		inflated = esk_gzip_inflate(v->gzip, &bytes, &size, v->window, window_size, &used, error);
-		/* What came out before a fault is looked at first, as it would be had it come alone. */
-		eskel_status status = take_inflated(v, v->window, used, error);
-		if (status != ESKEL_OK)
-			return status;
-	} while (inflated == ESKEL_OK && used == window_size);
-	return inflated;
-}
-
 /* The first byte tells gzip from everything else. */
 static eskel_status begin(eskel_volume *v, uint8_t first_byte, eskel_error *error)
 {
 	v->begun = true;
-	if (first_byte != ESK_GZIP_FIRST_BYTE)
-		return ESKEL_OK;
-	v->window = esk_memory_array(window_size, 1);
-	if (!v->window || esk_gzip_new(&v->gzip) != ESKEL_OK)
-		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for inflating");
-	return ESKEL_OK;
+	return first_byte == ESK_GZIP_FIRST_BYTE ? begin_inflation(&v->file, error) : ESKEL_OK;
 }
 
 /* The error of every failed call is kept in the volume first. */
@@ -239,8 +289,8 @@ eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t s
 		return report(volume, error);
 	if (!volume->begun)
 		begin(volume, *(const uint8_t *)bytes, kept);
-	if (kept->status == ESKEL_OK && volume->gzip)
-		take_gzipped(volume, bytes, size, kept);
+	if (kept->status == ESKEL_OK && volume->file.gzip)
+		take_gzipped(volume, &volume->file, take_inflated, bytes, size, kept);
 	else if (kept->status == ESKEL_OK)
 		take_inflated(volume, bytes, size, kept);
 	return report(volume, error);
@@ -250,7 +300,7 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 {
 	if (!v->begun)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file is empty");
-	if (v->gzip && !esk_gzip_is_complete(v->gzip))
+	if (v->file.gzip && !esk_gzip_is_complete(v->file.gzip))
 		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data breaks off");
 	if (v->phase == IN_HEADER)
 		return esk_error_set(
@@ -258,6 +308,11 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 	if (v->phase == BEFORE_VOXELS)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends before byte %llu, its first voxel",
 			(unsigned long long)v->header.data_offset);
+	if (v->voxels.gzip && !esk_gzip_is_complete(v->voxels.gzip))
+		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data of the voxels breaks off");
+	if (v->bytes_left > 0 && v->header.encoding == ESK_ENCODING_TEXT)
+		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu voxels before the end of its text",
+			(unsigned long long)(v->bytes_left / v->header.voxels.size));
 	if (v->bytes_left > 0)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu bytes before the end of its voxels",
 			(unsigned long long)v->bytes_left);
@@ -268,13 +323,21 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 {
 	if (volume->phase == FINISHED || volume->error.status != ESKEL_OK)
 		return report(volume, error);
-	if (check_complete(volume, &volume->error) == ESKEL_OK) {
+	/* A blank ends the last number of a text. */
+	if (volume->phase == IN_VOXELS && volume->header.encoding == ESK_ENCODING_TEXT)
+		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
+	if (volume->error.status == ESKEL_OK && check_complete(volume, &volume->error) == ESKEL_OK) {
 		volume->labels = esk_run_builder_finish(volume->builder);
 		volume->phase = FINISHED;
 		if (volume->labels->count == 0)
 			esk_error_set(&volume->error, ESKEL_EMPTY, "no voxel has a wanted label");
 	}
 	return report(volume, error);
+}
+
+const char *eskel_volume_label_name(const eskel_volume *volume, int32_t label)
+{
+	return esk_label_names_find(&volume->header.names, label);
 }
 
 const eskel_volume_info *eskel_volume_get_info(const eskel_volume *volume)

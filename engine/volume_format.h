@@ -2,21 +2,28 @@
 #ifndef ESK_VOLUME_FORMAT_H
 #define ESK_VOLUME_FORMAT_H
 
+#include "label_names.h"
 #include "voxel.h"
+
+/* How the voxels follow the header. Text: numbers between blanks, which become 64-bit floats of this machine's order. */
+typedef enum { ESK_ENCODING_RAW, ESK_ENCODING_GZIP, ESK_ENCODING_TEXT } esk_volume_encoding;
 
 typedef struct {
 	eskel_volume_info info;  /* all but gzipped */
 	esk_voxel_format voxels; /* x fastest, then y, then z */
-	uint64_t data_offset;    /* of the first voxel, in bytes from the start of the file */
+	esk_volume_encoding encoding;
+	uint64_t data_offset; /* of the first voxel, in bytes from the start of the file */
+	esk_label_names names;
 } esk_volume_header;
 
 /* Reads the header from the first size bytes of a file, at least 4. When it wants more it returns ESKEL_OK with
- * *needed > size, at most 65536, and header untouched. Otherwise *needed <= size and header is complete: every extent
- * 1 to 65535, the affine checked. ESKEL_NOT_VOLUME, without a sentence, for another format's bytes. */
+ * *needed > size, at most 2^20, and header untouched. Otherwise *needed <= size and header is complete: every extent
+ * 1 to 65535, the affine checked; its names are the caller's to clear. ESKEL_NOT_VOLUME, without a sentence, for another
+ * format's bytes. */
 typedef eskel_status esk_header_reader(
 	const uint8_t *bytes, size_t size, size_t *needed, esk_volume_header *header, eskel_error *error);
 
-esk_header_reader esk_nifti_read_header;
+esk_header_reader esk_nifti_read_header, esk_nrrd_read_header;
 
 /* Adds a warning; a format gives at most as many as eskel_volume_info holds. */
 void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)

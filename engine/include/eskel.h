@@ -147,8 +147,9 @@ ESKEL_API void eskel_components_free(eskel_components *components);
 /* ---------------------------------------------------------------------------------------------- volume */
 
 /* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and
- * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files,
- * either endianness, gzipped or not. Nothing is ever opened: a header that names another file is refused. */
+ * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files, and
+ * NRRD files with their voxels attached (raw, gzip or text; 3D Slicer segmentations among them); either endianness, gzipped
+ * or not. Nothing is ever opened: a header that names another file is refused. */
 typedef struct eskel_volume eskel_volume;
 
 typedef struct {
@@ -168,8 +169,8 @@ ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
 /* The rest is for a finished volume. */
 typedef struct {
-	const char *format;            /* "NIfTI-1" or "NIfTI-2", static */
-	bool gzipped;
+	const char *format;            /* "NIfTI-1", "NIfTI-2" or "NRRD", static */
+	bool gzipped;                  /* the whole file, header and all */
 	uint32_t extent[3];
 	eskel_affine affine;
 	size_t warning_count;
@@ -180,6 +181,9 @@ ESKEL_API const eskel_volume_info *eskel_volume_get_info(const eskel_volume *vol
 /* The labels found, ascending. */
 ESKEL_API size_t eskel_volume_label_count(const eskel_volume *volume);
 ESKEL_API int32_t eskel_volume_label(const eskel_volume *volume, size_t index);
+/* What the file calls the label (a segment's name, with the side that its terminology says), at most 200 bytes as they are
+ * in the file, which may be no UTF-8; NULL when it does not say. The volume's. */
+ESKEL_API const char *eskel_volume_label_name(const eskel_volume *volume, int32_t label);
 /* Bit b of sides (0..5: x low, x high, y low, y high, z low, z high) is set when the label's voxels touch that
  * border of the grid. ESKEL_NOT_FOUND when no voxel has the label. */
 ESKEL_API eskel_status eskel_volume_border(const eskel_volume *volume, int32_t label, unsigned *sides);

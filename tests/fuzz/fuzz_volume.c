@@ -1,4 +1,5 @@
-/* Any bytes, decoded whole and in pieces: the same status and sentence, or the same clouds, whose encoding decodes. */
+/* Any bytes, decoded whole and in pieces: the same status and sentence, or the same clouds, whose encoding decodes,
+ * and names. */
 #include "eskel.h"
 #include "fuzz.h"
 
@@ -50,6 +51,10 @@ static void compare(const eskel_volume *a, const eskel_volume *b)
 	if (eskel_volume_label_count(a) == 0 || eskel_volume_label_count(a) != eskel_volume_label_count(b))
 		abort();
 	for (size_t i = 0; i < eskel_volume_label_count(a); i++) {
+		const char *name = eskel_volume_label_name(a, eskel_volume_label(a, i));
+		const char *other_name = eskel_volume_label_name(b, eskel_volume_label(b, i));
+		if (!name != !other_name || (name && (strcmp(name, other_name) != 0 || strlen(name) > 200)))
+			abort();
 		uint8_t *bytes, *other_bytes;
 		size_t size, other_size;
 		encode(a, i, &bytes, &size);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #define VARIANT(name) REAL_DATA "io_variants/VHF_talus_L_" name ".nii.gz"
+#define NRRD_VARIANT(name) REAL_DATA "io_variants/VHF_talus_L_" name ".nrrd"
 
 static real_shape talus;
 
@@ -41,17 +42,29 @@ static void assert_same_cloud(const eskel_cloud *a, const eskel_cloud *b)
 	free(b_bytes);
 }
 
-static void every_axis_order_and_type_gives_the_same_cloud(void **state)
+static void every_axis_order_type_and_format_gives_the_same_cloud(void **state)
 {
 	(void)state;
-	static const char *const paths[] = {
-		VARIANT("LAS"), VARIANT("LPS"), VARIANT("ASL"), VARIANT("PIR"), VARIANT("label300_uint16")};
+	static const char *const paths[] = {VARIANT("LAS"), VARIANT("LPS"), VARIANT("ASL"), VARIANT("PIR"),
+		VARIANT("label300_uint16"), NRRD_VARIANT("RAS"), NRRD_VARIANT("LAS"), NRRD_VARIANT("PIR"),
+		NRRD_VARIANT("label300_uint16")};
 	for (size_t p = 0; p < sizeof paths / sizeof paths[0]; p++) {
 		real_shape variant = {0};
 		real_shape_read(&variant, paths[p]);
 		assert_same_cloud(variant.cloud, talus.cloud);
 		real_shape_clear(&variant);
 	}
+}
+
+static void an_oblique_nrrd_file_gives_the_cloud_of_its_nifti_twin(void **state)
+{
+	(void)state;
+	real_shape nifti = {0}, nrrd = {0};
+	real_shape_read(&nifti, VARIANT("oblique"));
+	real_shape_read(&nrrd, NRRD_VARIANT("oblique"));
+	assert_same_cloud(nifti.cloud, nrrd.cloud);
+	real_shape_clear(&nifti);
+	real_shape_clear(&nrrd);
 }
 
 static void resampled_the_talus_is_close_and_of_the_same_hand(void **state)
@@ -224,7 +237,8 @@ int main(void)
 		return 77;
 	}
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_axis_order_and_type_gives_the_same_cloud),
+		cmocka_unit_test(every_axis_order_type_and_format_gives_the_same_cloud),
+		cmocka_unit_test(an_oblique_nrrd_file_gives_the_cloud_of_its_nifti_twin),
 		cmocka_unit_test(resampled_the_talus_is_close_and_of_the_same_hand),
 		cmocka_unit_test(mirrored_the_talus_is_as_near_and_of_the_other_hand),
 		cmocka_unit_test(isometries_of_the_talus_are_recovered),
