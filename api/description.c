@@ -2,7 +2,9 @@
 #include "description.h"
 
 #include "label_name.h"
+#include "text.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,11 +32,23 @@ static bool copy_attributes(const esk_parameters *query, eskel_description *desc
 	return true;
 }
 
-bool esk_description_of_label(const esk_parameters *query, int32_t label, eskel_description *description)
+/* A copy that may be stored; NULL for no name. */
+static const char *plain_name(const char *name, char plain[ESK_TEXT_MOST + 1])
 {
+	if (!name)
+		return NULL;
+	snprintf(plain, ESK_TEXT_MOST + 1, "%s", name);
+	esk_text_clean(plain);
+	return plain;
+}
+
+bool esk_description_of_label(
+	const esk_parameters *query, int32_t label, const char *name_in_file, eskel_description *description)
+{
+	char plain[ESK_TEXT_MOST + 1];
 	const esk_label_words none = {.label = label}, *found = esk_parameters_words(query, label);
 	const esk_label_words *words = found ? found : &none;
-	const char *name = words->name ? words->name : query->name;
+	const char *name = words->name ? words->name : query->name ? query->name : plain_name(name_in_file, plain);
 	char class_of_name[ESK_TEXT_MOST + 1] = "";
 	eskel_side side_of_name = ESKEL_SIDE_UNKNOWN;
 	if (name)

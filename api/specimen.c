@@ -98,7 +98,8 @@ static bool take_labels(
 		specimen->shape.description.age = NAN;
 		if (!take_cloud(specimen, volume, label, problem))
 			return false;
-		if (!esk_description_of_label(query, label, &specimen->shape.description))
+		const char *name = eskel_volume_label_name(volume, label);
+		if (!esk_description_of_label(query, label, name, &specimen->shape.description))
 			return esk_problem_no_memory(problem);
 	}
 	return true;

@@ -6,6 +6,7 @@
 
 #include "api/client.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static void an_enrolled_shape_is_answered_in_full(void **state)
@@ -53,6 +54,44 @@ static void the_same_object_again_is_the_same_shape(void **state)
 	assert_int_equal(eskel_api_shape_count(f->api), 1);
 	answer_free(&first);
 	answer_free(&again);
+	volume_free(&file);
+}
+
+/* A 3D Slicer segmentation of three segments of 4 x 4 x 4 voxels. */
+static volume_file segmentation(void)
+{
+	static const char header[] = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 14 6 6\nencoding: raw\n"
+				     "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+				     "Segment0_LabelValue:=1\nSegment0_Name:=Talus (L)\n"
+				     "Segment1_LabelValue:=2\nSegment1_Name:=\xff cuboid\n"
+				     "Segment2_LabelValue:=3\nSegment2_Name:=Segment_3\n\n";
+	enum { nx = 14, ny = 6, nz = 6, header_size = sizeof header - 1 };
+	volume_file file = {calloc(header_size + nx * ny * nz, 1), header_size + nx * ny * nz};
+	assert_non_null(file.bytes);
+	memcpy(file.bytes, header, header_size);
+	for (int z = 1; z <= 4; z++)
+		for (int y = 1; y <= 4; y++)
+			for (int x = 1; x <= 12; x++)
+				file.bytes[header_size + x + nx * (y + ny * z)] = (uint8_t)(1 + (x - 1) / 4);
+	return file;
+}
+
+static void a_label_has_the_name_that_its_file_gives_it_unless_another_is_said(void **state)
+{
+	api_fixture *f = *state;
+	volume_file file = segmentation();
+	answer a = post_volume(f->api, &file, "/shapes?label=1&label=2&label=3&label.3.name=Navicular%%20right");
+	assert_status(&a, 201);
+	assert_string_equal(text_at(&a, "shapes.0.name"), "Talus (L)");
+	assert_string_equal(text_at(&a, "shapes.0.class"), "talus");
+	assert_string_equal(text_at(&a, "shapes.0.side"), "left");
+	assert_string_equal(text_at(&a, "shapes.1.name"), "? cuboid");
+	assert_string_equal(text_at(&a, "shapes.2.class"), "navicular");
+	assert_string_equal(text_at(&a, "shapes.2.side"), "right");
+	answer_free(&a);
+	answer other = post_volume(f->api, &file, "/recognize?label=1&label.1.name=calcaneus");
+	assert_status(&other, 200);
+	answer_free(&other);
 	volume_free(&file);
 }
 
@@ -478,6 +517,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		api_test(an_enrolled_shape_is_answered_in_full),
 		api_test(the_same_object_again_is_the_same_shape),
+		api_test(a_label_has_the_name_that_its_file_gives_it_unless_another_is_said),
 		api_test(bytes_may_come_in_any_pieces),
 		api_test(every_label_becomes_a_shape_with_its_own_words),
 		api_test(only_the_labels_asked_for_are_enrolled),
