@@ -11,7 +11,7 @@ build='build-essential cmake ninja-build pkg-config python3 python3-yaml libsqli
 	liblapacke-dev libisal-dev libcurl4-gnutls-dev nettle-dev'
 trial='mricron-data curl'
 test='clang libclang-rt-14-dev libcmocka-dev zlib1g-dev mricron-data curl chromium-driver python3-numpy python3-scipy
-	python3-nibabel python3-jsonschema'
+	python3-nibabel python3-jsonschema teem-apps'
 bench='libcmocka-dev zlib1g-dev mricron-data wrk liblemon-dev libnifti-dev python3-numpy python3-scipy python3-nibabel
 	python3-sklearn python3-faiss'
 
