@@ -341,7 +341,8 @@ eskel_status esk_nifti_read_header(
 		get_nifti1(s, &f);
 	else
 		get_nifti2(s, &f);
-	esk_volume_header h = {.info.format = first ? "NIfTI-1" : "NIfTI-2", .voxels.big_endian = s.big_endian};
+	esk_volume_header h = {
+		.info.format = first ? "NIfTI-1" : "NIfTI-2", .layer_count = 1, .voxels.big_endian = s.big_endian};
 	eskel_status status = check_magic(&f, bytes, error);
 	if (status == ESKEL_OK)
 		status = read_extent(&f, h.info.extent, error);

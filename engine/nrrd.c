@@ -4,10 +4,11 @@
  * looked at where a line ends: a line that names another file is refused there, for such a header needs no empty line.
  *
  * Stricter than teem: a voxel must be of one type and size known from the header alone, a line or byte skip must be 0, and a
- * voxel's size must be said. Four axes are accepted when one of them is not in space and has one sample (a 3D Slicer
- * segmentation of one layer may be stored so).
+ * voxel's size must be said. A fourth axis is accepted when it is not in space and has one sample, or is the first and
+ * of the layers of 3D Slicer's segments.
  */
 #include "error.h"
+#include "layers.h"
 #include "nrrd_geometry.h"
 #include "nrrd_segments.h"
 #include "volume_format.h"
@@ -205,6 +206,27 @@ static eskel_status check_size(int axis, double size, eskel_error *error)
 	return ESKEL_OK;
 }
 
+static eskel_status refuse_axis(int axis, double size, eskel_error *error)
+{
+	return esk_error_set(error, ESKEL_UNSUPPORTED,
+		"axis %d of the NRRD file is not in space and has %g samples, expected 1, or segments described in "
+		"layers along the first axis",
+		axis, size);
+}
+
+/* The first axis may be one of layers. */
+static eskel_status take_other_axis(reading *r, int axis, double size, eskel_error *error)
+{
+	if (axis > 0 && size > 1)
+		return refuse_axis(axis, size, error);
+	if (size > ESK_LAYERS_MOST)
+		return esk_error_set(error, ESKEL_TOO_LARGE, "the NRRD file has %g layers, expected at most %d", size,
+			ESK_LAYERS_MOST);
+	if (axis == 0)
+		r->header->layer_count = (uint32_t)size;
+	return ESKEL_OK;
+}
+
 static eskel_status read_axes(reading *r, eskel_error *error)
 {
 	double sizes[ESK_NRRD_AXES_MOST] = {0};
@@ -217,11 +239,8 @@ static eskel_status read_axes(reading *r, eskel_error *error)
 	int found = 0;
 	for (int a = 0; a < r->axes.count && status == ESKEL_OK; a++) {
 		status = check_size(a, sizes[a], error);
-		if (status == ESKEL_OK && !in_space[a] && sizes[a] != 1)
-			status = esk_error_set(error, ESKEL_UNSUPPORTED,
-				"axis %d of the NRRD file is not in space and has %g samples, expected 1: one label a "
-				"voxel",
-				a, sizes[a]);
+		if (status == ESKEL_OK && !in_space[a])
+			status = take_other_axis(r, a, sizes[a], error);
 		if (status == ESKEL_OK && in_space[a] && found < 3) {
 			r->axes.in_space[found] = a;
 			r->header->info.extent[found] = (uint32_t)sizes[a];
@@ -254,7 +273,9 @@ static eskel_status read_fields(reading *r, esk_nrrd_span text, eskel_error *err
 	if (status == ESKEL_OK)
 		status = esk_nrrd_read_geometry(&r->axes, &r->header->info, error);
 	if (status == ESKEL_OK)
-		status = esk_nrrd_segments_read(text, &r->header->names, error);
+		status = esk_nrrd_segments_read(text, r->header->layer_count, &r->header->segments, error);
+	if (status == ESKEL_OK && r->header->layer_count > 1 && r->header->segments.count == 0)
+		status = refuse_axis(0, r->header->layer_count, error);
 	return status;
 }
 
@@ -315,7 +336,7 @@ eskel_status esk_nrrd_read_header(
 					 "the NRRD header has more than %d bytes, expected an empty line before",
 					 largest_header);
 	}
-	esk_volume_header h = {.info.format = "NRRD", .data_offset = size};
+	esk_volume_header h = {.info.format = "NRRD", .layer_count = 1, .data_offset = size};
 	reading r = {.header = &h};
 	status = read_fields(&r, text, error);
 	if (status == ESKEL_OK)

@@ -1,6 +1,7 @@
-/* Segment names of 3D Slicer: pairs such as
+/* Segments of 3D Slicer: pairs such as
  *
  *   Segment0_LabelValue:=3
+ *   Segment0_Layer:=0
  *   Segment0_Name:=Femur
  *   Segment0_Tags:=Segmentation.TerminologyEntry:CONTEXT~CATEGORY~TYPE~MODIFIER~CONTEXT~REGION~MODIFIER|...
  *
@@ -8,6 +9,10 @@
  * calls it. One that nobody named (Slicer writes Segment_1 and so on) is called by the meaning of its region or, without
  * one, of its type, unless that is Slicer's default, Tissue. Where a modifier means Left or Right and the name has no
  * such word, the word is added, so that the name tells the side too.
+ *
+ * A segment's label is its label value. Segments that overlap lie in several layers, of which each has values of its own:
+ * where two segments have the same, the label of every segment is its number, from 1 on. The oldest files say no layer:
+ * segment N is in layer N, with value 1.
  */
 #include "nrrd_segments.h"
 
@@ -23,13 +28,14 @@ enum { most_segments = 4096, longest_name = 194, name_room = longest_name + size
 
 typedef struct {
 	esk_nrrd_span name, tags;
-	int32_t label;
+	int32_t value, layer;
+	bool there;
 } segment;
 
 typedef struct {
 	segment *items;
 	size_t count, capacity;
-} segments;
+} collection;
 
 static bool starts_with(esk_nrrd_span span, const char *word)
 {
@@ -55,7 +61,7 @@ static bool take_number(esk_nrrd_span *span, int32_t *number)
 
 /* ---- collecting */
 
-static eskel_status make_room(segments *all, size_t number, eskel_error *error)
+static eskel_status make_room(collection *all, size_t number, eskel_error *error)
 {
 	void *items = all->items;
 	if (number >= most_segments)
@@ -65,19 +71,19 @@ static eskel_status make_room(segments *all, size_t number, eskel_error *error)
 		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %zu segments", number + 1);
 	all->items = items;
 	for (; all->count <= number; all->count++)
-		all->items[all->count] = (segment){.label = 1}; /* without LabelValue, as the oldest files have it */
+		all->items[all->count] = (segment){.value = 1, .layer = (int32_t)all->count};
 	return ESKEL_OK;
 }
 
-static eskel_status take_label(segment *s, size_t number, esk_nrrd_span value, eskel_error *error)
+static eskel_status take_value(segment *s, size_t number, esk_nrrd_span value, eskel_error *error)
 {
-	if (!take_number(&value, &s->label) || value.size > 0 || s->label == 0)
+	if (!take_number(&value, &s->value) || value.size > 0 || s->value == 0)
 		return esk_error_set(error, ESKEL_MALFORMED,
 			"the label value of segment %zu is no whole number from 1 to 999999999", number);
 	return ESKEL_OK;
 }
 
-static eskel_status take_pair(segments *all, esk_nrrd_span key, esk_nrrd_span value, eskel_error *error)
+static eskel_status take_pair(collection *all, esk_nrrd_span key, esk_nrrd_span value, eskel_error *error)
 {
 	static const char prefix[] = "Segment";
 	int32_t number;
@@ -90,16 +96,20 @@ static eskel_status take_pair(segments *all, esk_nrrd_span key, esk_nrrd_span va
 	if (status != ESKEL_OK)
 		return status;
 	segment *s = &all->items[number];
+	s->there = true;
 	if (esk_nrrd_span_is(key, "_Name"))
 		s->name = value;
 	else if (esk_nrrd_span_is(key, "_Tags"))
 		s->tags = value;
 	else if (esk_nrrd_span_is(key, "_LabelValue"))
-		status = take_label(s, (size_t)number, value, error);
+		status = take_value(s, (size_t)number, value, error);
+	else if (esk_nrrd_span_is(key, "_Layer") && (!take_number(&value, &s->layer) || value.size > 0))
+		status = esk_error_set(
+			error, ESKEL_MALFORMED, "the layer of segment %d is no whole number from 0", (int)number);
 	return status;
 }
 
-static eskel_status collect(esk_nrrd_span header, segments *all, eskel_error *error)
+static eskel_status collect(esk_nrrd_span header, collection *all, eskel_error *error)
 {
 	esk_nrrd_span line, key, value;
 	eskel_status status = ESKEL_OK;
@@ -194,20 +204,49 @@ static void name_segment(const segment *s, char name[name_room])
 	}
 }
 
-eskel_status esk_nrrd_segments_read(esk_nrrd_span header, esk_label_names *names, eskel_error *error)
+/* ---- the whole */
+
+static bool are_values_distinct(const collection *all)
 {
-	segments all = {0};
-	char name[name_room];
-	eskel_status status = collect(header, &all, error);
-	for (size_t i = 0; i < all.count && status == ESKEL_OK; i++) {
-		name_segment(&all.items[i], name);
-		if (name[0])
-			status = esk_label_names_add(names, all.items[i].label, name);
-		if (status != ESKEL_OK)
-			esk_error_set(error, status, "memory ran out for the names of the segments");
+	for (size_t i = 0; i < all->count; i++)
+		for (size_t j = 0; j < i && all->items[i].there; j++)
+			if (all->items[j].there && all->items[j].value == all->items[i].value)
+				return false;
+	return true;
+}
+
+static eskel_status add_segments(
+	const collection *all, uint32_t layer_count, esk_segments *segments, eskel_error *error)
+{
+	const bool by_value = layer_count == 1 || are_values_distinct(all);
+	for (size_t i = 0; i < all->count; i++) {
+		const segment *s = &all->items[i];
+		char name[name_room];
+		if (!s->there)
+			continue;
+		if (layer_count > 1 && (uint32_t)s->layer >= layer_count)
+			return esk_error_set(error, ESKEL_MALFORMED,
+				"segment %zu is in layer %d, expected one below %u", i, (int)s->layer, layer_count);
+		name_segment(s, name);
+		const esk_segment added = {.label = by_value ? s->value : (int32_t)i + 1,
+			.layer = layer_count > 1 ? (uint32_t)s->layer : 0,
+			.value = s->value,
+			.name = name[0] ? name : NULL};
+		if (esk_segments_add(segments, &added) != ESKEL_OK)
+			return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %zu segments", all->count);
 	}
+	return ESKEL_OK;
+}
+
+eskel_status esk_nrrd_segments_read(
+	esk_nrrd_span header, uint32_t layer_count, esk_segments *segments, eskel_error *error)
+{
+	collection all = {0};
+	eskel_status status = collect(header, &all, error);
+	if (status == ESKEL_OK)
+		status = add_segments(&all, layer_count, segments, error);
 	free(all.items);
 	if (status != ESKEL_OK)
-		esk_label_names_clear(names);
+		esk_segments_clear(segments);
 	return status;
 }

@@ -2,11 +2,13 @@
 #ifndef ESK_NRRD_SEGMENTS_H
 #define ESK_NRRD_SEGMENTS_H
 
-#include "label_names.h"
 #include "nrrd_lines.h"
+#include "segments.h"
 
-/* The names that a header's SegmentN_... pairs give its labels, to clear by the caller; none where there are no such pairs.
- * ESKEL_TOO_LARGE for a segment's number from 4096 on, ESKEL_MALFORMED for a label value that is no label. */
-eskel_status esk_nrrd_segments_read(esk_nrrd_span header, esk_label_names *names, eskel_error *error);
+/* The segments that a header's SegmentN_... pairs describe, to clear by the caller; none where there are no such pairs.
+ * ESKEL_TOO_LARGE for a segment's number from 4096 on, ESKEL_MALFORMED for a label value that is no label or a layer that
+ * the file has not. */
+eskel_status esk_nrrd_segments_read(
+	esk_nrrd_span header, uint32_t layer_count, esk_segments *segments, eskel_error *error);
 
 #endif

@@ -94,6 +94,14 @@ eskel_status esk_run_builder_new(
 	return ESKEL_OK;
 }
 
+eskel_status esk_run_builder_new_share(const esk_run_builder *whole, size_t parts, const int32_t *labels,
+	size_t label_count, esk_run_builder **builder)
+{
+	const size_t share = whole->limits.most_runs / parts;
+	const esk_run_limits limits = {share > 0 ? share : 1, whole->limits.most_labels};
+	return esk_run_builder_new(&limits, labels, label_count, builder);
+}
+
 void esk_run_builder_free(esk_run_builder *builder)
 {
 	if (!builder)
@@ -215,19 +223,23 @@ static eskel_status add_stretch(esk_run_builder *b, const uint8_t *voxel, size_t
 {
 	uint32_t place;
 	eskel_status status = look_up(b, voxel, &place, error);
-	if (status != ESKEL_OK || place == no_place) {
-		advance(b, count);
+	if (status != ESKEL_OK)
 		return status;
+	if (place == no_place) {
+		advance(b, count);
+		return ESKEL_OK;
 	}
-	while (count > 0 && status == ESKEL_OK) {
+	while (count > 0) {
 		size_t rest_of_row = b->extent[0] - b->x;
 		size_t length = count < rest_of_row ? count : rest_of_row;
 		eskel_run run = {(uint16_t)b->x, (uint16_t)(b->x + length - 1), (uint16_t)b->y, (uint16_t)b->z};
 		status = add_run(b, &b->table.items[place], run, error);
+		if (status != ESKEL_OK)
+			return status;
 		advance(b, length);
 		count -= length;
 	}
-	return status;
+	return ESKEL_OK;
 }
 
 eskel_status esk_run_builder_add(esk_run_builder *b, const uint8_t *voxels, size_t count, eskel_error *error)
@@ -248,6 +260,16 @@ eskel_status esk_run_builder_add(esk_run_builder *b, const uint8_t *voxels, size
 	if (status == ESKEL_OK && begin < end)
 		status = add_stretch(b, voxels + begin, (end - begin) >> bits, error);
 	return status;
+}
+
+bool esk_run_builder_wants(const esk_run_builder *builder, int32_t label)
+{
+	return !builder->only_listed || esk_label_table_find(&builder->table, label);
+}
+
+uint64_t esk_run_builder_place(const esk_run_builder *builder)
+{
+	return builder->x + builder->extent[0] * (builder->y + builder->extent[1] * (uint64_t)builder->z);
 }
 
 const esk_label_table *esk_run_builder_finish(esk_run_builder *builder)

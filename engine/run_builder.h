@@ -28,6 +28,9 @@ typedef struct esk_run_builder esk_run_builder;
 /* labels: keep these only, all non-zero; none: keep every label. */
 eskel_status esk_run_builder_new(
 	const esk_run_limits *limits, const int32_t *labels, size_t label_count, esk_run_builder **builder);
+/* A part of whole's limit of runs, for these labels. */
+eskel_status esk_run_builder_new_share(const esk_run_builder *whole, size_t parts, const int32_t *labels,
+	size_t label_count, esk_run_builder **builder);
 void esk_run_builder_free(esk_run_builder *builder);
 
 /* Before the first voxel. */
@@ -35,6 +38,11 @@ void esk_run_builder_set_grid(esk_run_builder *builder, const esk_voxel_format *
 
 /* The next count voxels; never more in all than the grid has. */
 eskel_status esk_run_builder_add(esk_run_builder *builder, const uint8_t *voxels, size_t count, eskel_error *error);
+
+/* Whether the builder keeps voxels of this label. */
+bool esk_run_builder_wants(const esk_run_builder *builder, int32_t label);
+/* How many voxels came before the one that the last add failed at, or that comes next. */
+uint64_t esk_run_builder_place(const esk_run_builder *builder);
 
 /* The labels that have runs. Owned by the builder. */
 const esk_label_table *esk_run_builder_finish(esk_run_builder *builder);

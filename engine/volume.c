@@ -10,6 +10,7 @@
  */
 #include "error.h"
 #include "gzip.h"
+#include "layers.h"
 #include "memory.h"
 #include "number_text.h"
 #include "run_builder.h"
@@ -52,10 +53,11 @@ struct eskel_volume {
 
 	inflation voxels;
 	esk_number_text text;
-	uint64_t bytes_left;           /* of the present phase: before the voxels, of the voxels as they are decoded */
-	uint8_t broken[largest_voxel]; /* the first bytes of a voxel that the last piece broke off */
+	uint64_t bytes_left; /* of the present phase: before the voxels, of the voxels as they are decoded */
+	uint8_t broken[largest_voxel * ESK_LAYERS_MOST]; /* the first bytes of a voxel that the last piece broke off */
 	size_t broken_size;
 	esk_run_builder *builder;
+	esk_layers *layers; /* NULL: one, the builder's */
 	const esk_label_table *labels;
 };
 
@@ -102,14 +104,26 @@ void eskel_volume_free(eskel_volume *volume)
 	esk_gzip_free(volume->voxels.gzip);
 	free(volume->voxels.window);
 	free(volume->header_bytes);
-	esk_label_names_clear(&volume->header.names);
+	esk_layers_free(volume->layers);
+	esk_segments_clear(&volume->header.segments);
 	esk_run_builder_free(volume->builder);
 	free(volume);
 }
 
+static eskel_status add_whole_voxels(eskel_volume *v, const uint8_t *voxels, size_t count, eskel_error *error)
+{
+	return v->layers ? esk_layers_add(v->layers, voxels, count, error)
+			 : esk_run_builder_add(v->builder, voxels, count, error);
+}
+
+static size_t size_of_voxel(const eskel_volume *v)
+{
+	return (size_t)v->header.voxels.size * v->header.layer_count;
+}
+
 static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
 {
-	const size_t voxel_size = v->header.voxels.size;
+	const size_t voxel_size = size_of_voxel(v);
 	if (v->broken_size > 0) {
 		size_t missing = voxel_size - v->broken_size, taken = size < missing ? size : missing;
 		memcpy(v->broken + v->broken_size, bytes, taken);
@@ -119,14 +133,14 @@ static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t siz
 		if (v->broken_size < voxel_size)
 			return ESKEL_OK;
 		v->broken_size = 0;
-		eskel_status status = esk_run_builder_add(v->builder, v->broken, 1, error);
+		eskel_status status = add_whole_voxels(v, v->broken, 1, error);
 		if (status != ESKEL_OK)
 			return status;
 	}
 	size_t whole = size / voxel_size;
 	v->broken_size = size % voxel_size;
 	memcpy(v->broken, bytes + whole * voxel_size, v->broken_size);
-	return esk_run_builder_add(v->builder, bytes, whole, error);
+	return add_whole_voxels(v, bytes, whole, error);
 }
 
 static eskel_status take_voxels(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
@@ -184,7 +198,7 @@ static eskel_status begin_voxels(eskel_volume *v, eskel_error *error)
 {
 	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
 	v->phase = IN_VOXELS;
-	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * v->header.voxels.size;
+	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * size_of_voxel(v);
 	return v->header.encoding == ESK_ENCODING_GZIP ? begin_inflation(&v->voxels, error) : ESKEL_OK;
 }
 
@@ -235,7 +249,14 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
 			"the grid has %u x %u x %u = %llu voxels, expected at most %llu", extent[0], extent[1],
 			extent[2], (unsigned long long)voxels, (unsigned long long)v->most_voxels);
+	if (voxels * v->header.layer_count > v->most_voxels)
+		return esk_error_set(error, ESKEL_TOO_LARGE,
+			"the grid has %llu voxels in %u layers, expected at most %llu in all",
+			(unsigned long long)voxels, v->header.layer_count, (unsigned long long)v->most_voxels);
 	esk_run_builder_set_grid(v->builder, &v->header.voxels, extent);
+	if (v->header.layer_count > 1 && esk_layers_new(v->builder, &v->header.segments, v->header.layer_count,
+						 &v->header.voxels, extent, &v->layers) != ESKEL_OK)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %u layers", v->header.layer_count);
 	v->header.info.gzipped = v->file.gzip != NULL;
 	v->phase = BEFORE_VOXELS;
 	v->bytes_left = v->header.data_offset;
@@ -312,11 +333,21 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data of the voxels breaks off");
 	if (v->bytes_left > 0 && v->header.encoding == ESK_ENCODING_TEXT)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu voxels before the end of its text",
-			(unsigned long long)(v->bytes_left / v->header.voxels.size));
+			(unsigned long long)(v->bytes_left / size_of_voxel(v)));
 	if (v->bytes_left > 0)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu bytes before the end of its voxels",
 			(unsigned long long)v->bytes_left);
 	return ESKEL_OK;
+}
+
+static eskel_status find_labels(eskel_volume *v, eskel_error *error)
+{
+	if (!v->layers)
+		v->labels = esk_run_builder_finish(v->builder);
+	else if (esk_layers_finish(v->layers, &v->labels) != ESKEL_OK)
+		return esk_error_set(
+			error, ESKEL_NO_MEMORY, "memory ran out for %zu segments", v->header.segments.count);
+	return v->labels->count > 0 ? ESKEL_OK : esk_error_set(error, ESKEL_EMPTY, "no voxel has a wanted label");
 }
 
 eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
@@ -327,17 +358,15 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 	if (volume->phase == IN_VOXELS && volume->header.encoding == ESK_ENCODING_TEXT)
 		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
 	if (volume->error.status == ESKEL_OK && check_complete(volume, &volume->error) == ESKEL_OK) {
-		volume->labels = esk_run_builder_finish(volume->builder);
+		find_labels(volume, &volume->error);
 		volume->phase = FINISHED;
-		if (volume->labels->count == 0)
-			esk_error_set(&volume->error, ESKEL_EMPTY, "no voxel has a wanted label");
 	}
 	return report(volume, error);
 }
 
 const char *eskel_volume_label_name(const eskel_volume *volume, int32_t label)
 {
-	return esk_label_names_find(&volume->header.names, label);
+	return esk_segments_name(&volume->header.segments, label);
 }
 
 const eskel_volume_info *eskel_volume_get_info(const eskel_volume *volume)

@@ -2,7 +2,7 @@
 #ifndef ESK_VOLUME_FORMAT_H
 #define ESK_VOLUME_FORMAT_H
 
-#include "label_names.h"
+#include "segments.h"
 #include "voxel.h"
 
 /* How the voxels follow the header. Text: numbers between blanks, which become 64-bit floats of this machine's order. */
@@ -11,14 +11,15 @@ typedef enum { ESK_ENCODING_RAW, ESK_ENCODING_GZIP, ESK_ENCODING_TEXT } esk_volu
 typedef struct {
 	eskel_volume_info info;  /* all but gzipped */
 	esk_voxel_format voxels; /* x fastest, then y, then z */
+	uint32_t layer_count;    /* more than 1: a voxel is as many values, of the segments' layers */
 	esk_volume_encoding encoding;
 	uint64_t data_offset; /* of the first voxel, in bytes from the start of the file */
-	esk_label_names names;
+	esk_segments segments;
 } esk_volume_header;
 
 /* Reads the header from the first size bytes of a file, at least 4. When it wants more it returns ESKEL_OK with
  * *needed > size, at most 2^20, and header untouched. Otherwise *needed <= size and header is complete: every extent
- * 1 to 65535, the affine checked; its names are the caller's to clear. ESKEL_NOT_VOLUME, without a sentence, for another
+ * 1 to 65535, the affine checked; its segments are the caller's to clear. ESKEL_NOT_VOLUME, without a sentence, for another
  * format's bytes. */
 typedef eskel_status esk_header_reader(
 	const uint8_t *bytes, size_t size, size_t *needed, esk_volume_header *header, eskel_error *error);

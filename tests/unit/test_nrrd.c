@@ -199,11 +199,10 @@ static void a_gzipped_file_may_have_gzipped_voxels(void **state)
 static void lines_may_end_in_crlf_and_fields_in_any_order_and_case(void **state)
 {
 	(void)state;
-	static const char lines[] =
-		"NRRD0004\r\n# space: LAS\r\nSpace Directions: (1, 0, 0)  ( 0 ,1,0) (0,0,1) \r\n"
-		"SIZES:  3 2 2\r\ncontent: a: b\r\nkey:with colon:=spacings: 3\r\nENCODING: Raw\r\n"
-		"measurement frame: (1,0,0) (0,1,0) (0,0,1)\r\nkinds: space domain ???\r\n"
-		"space: ras\r\ndimension: 3\r\ntype: UChar\r\nbyteskip: 0\r\n\r";
+	static const char lines[] = "NRRD0004\r\n# space: LAS\r\nSpace Directions: (1, 0, 0)  ( 0 ,1,0) (0,0,1) \r\n"
+				    "SIZES:  3 2 2\r\ncontent: a: b\r\nkey:with colon:=spacings: 3\r\nENCODING: Raw\r\n"
+				    "measurement frame: (1,0,0) (0,1,0) (0,0,1)\r\nkinds: space domain ???\r\n"
+				    "space: ras\r\ndimension: 3\r\ntype: UChar\r\nbyteskip: 0\r\n\r";
 	eskel_volume *volume = decoded(file_of(lines, sample_bytes, voxel_count));
 	assert_labels(volume, sample);
 	eskel_volume_free(volume);
@@ -374,6 +373,90 @@ static void a_long_name_is_cut_before_a_character(void **state)
 	eskel_volume_free(volume);
 }
 
+#define LAYERED \
+	"NRRD0004\nencoding: raw\ndimension: 4\nsizes: 2 3 2 2\nkinds: list domain domain domain\nspace: RAS\n" \
+	"space directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+
+/* Of each voxel the value in the first layer, then that in the second. */
+static const uint8_t overlapping[2 * voxel_count] = {
+	0, 0, 1, 0, 1, 1, 0, 1, 2, 0, 2, 9, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 2, 2};
+
+static void assert_voxels(const eskel_volume *volume, const char *expected)
+{
+	char found[200] = "";
+	for (size_t i = 0; i < eskel_volume_label_count(volume); i++) {
+		const int32_t label = eskel_volume_label(volume, i);
+		const char *name = eskel_volume_label_name(volume, label);
+		eskel_cloud *cloud = NULL;
+		assert_int_equal(eskel_volume_cloud(volume, label, &cloud, NULL), ESKEL_OK);
+		size_t used = strlen(found);
+		snprintf(found + used, sizeof found - used, "%s%d %s %d", i > 0 ? ", " : "", label, name ? name : "-",
+			(int)cloud->voxels);
+		eskel_cloud_free(cloud);
+	}
+	assert_string_equal(found, expected);
+}
+
+static void overlapping_segments_are_labelled_by_value_or_by_number(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *segments, *expected;
+	} cases[] = {
+		{"Segment0_LabelValue:=2\nSegment0_Layer:=0\nSegment0_Name:=a\n"
+		 "Segment1_LabelValue:=1\nSegment1_Layer:=1\nSegment1_Name:=b\n",
+			"1 b 3, 2 a 3"},
+		{"Segment0_LabelValue:=1\nSegment0_Layer:=0\nSegment0_Name:=a\n"
+		 "Segment1_LabelValue:=1\nSegment1_Layer:=1\n"
+		 "Segment3_LabelValue:=2\nSegment3_Layer:=1\nSegment3_Name:=c\n",
+			"1 a 3, 2 - 3, 4 c 1"},
+		{"Segment0_Name:=a\nSegment1_Name:=b\n", "1 a 3, 2 b 3"},
+	};
+	char lines[600];
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		snprintf(lines, sizeof lines, LAYERED "type: uint8\n%s", cases[i].segments);
+		eskel_volume *volume = decoded(file_of(lines, overlapping, sizeof overlapping));
+		assert_voxels(volume, cases[i].expected);
+		eskel_volume_free(volume);
+	}
+}
+
+static void only_wanted_segments_are_kept(void **state)
+{
+	(void)state;
+	file *f = file_of(LAYERED "type: uint8\nSegment0_Layer:=0\nSegment1_Layer:=1\nSegment2_Layer:=1\n"
+				  "Segment2_LabelValue:=9\n",
+		overlapping, sizeof overlapping);
+	static const int32_t wanted[] = {3, 7};
+	eskel_volume *volume = NULL;
+	assert_int_equal(
+		eskel_volume_new(&(eskel_volume_options){.labels = wanted, .label_count = 2}, &volume), ESKEL_OK);
+	assert_int_equal(eskel_volume_feed(volume, f->bytes, f->size, NULL), ESKEL_OK);
+	assert_int_equal(eskel_volume_finish(volume, NULL), ESKEL_OK);
+	assert_voxels(volume, "3 - 1");
+	eskel_volume_free(volume);
+	free(f);
+}
+
+static void the_first_bad_voxel_of_all_layers_is_told_however_the_file_is_cut(void **state)
+{
+	(void)state;
+	float values[2 * voxel_count] = {0};
+	values[2 * 7] = 0.5f;      /* voxel 7 of the first layer */
+	values[2 * 4 + 1] = 0.25f; /* voxel 4 of the second */
+	file *f = file_of(
+		LAYERED "type: float\nendian: little\nSegment0_Layer:=0\nSegment1_Layer:=1\n", values, sizeof values);
+	for (size_t piece = 1; piece <= f->size; piece += piece < 9 ? 1 : f->size - piece) {
+		eskel_volume *volume = NULL;
+		eskel_error error = {0};
+		assert_int_equal(feed(f, f->size, piece, &volume, &error), ESKEL_BAD_VALUE);
+		assert_string_equal(error.text, "voxel (1, 1, 0) is 0.25, expected an integer between -2^31 and 2^31");
+		if (piece == f->size)
+			break;
+	}
+	free(f);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -388,6 +471,9 @@ int main(void)
 		cmocka_unit_test(an_axis_min_is_the_border_of_a_cell_or_the_place_of_a_node),
 		cmocka_unit_test(segments_give_their_labels_names),
 		cmocka_unit_test(a_long_name_is_cut_before_a_character),
+		cmocka_unit_test(overlapping_segments_are_labelled_by_value_or_by_number),
+		cmocka_unit_test(only_wanted_segments_are_kept),
+		cmocka_unit_test(the_first_bad_voxel_of_all_layers_is_told_however_the_file_is_cut),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,7 @@
 #include "nifti_file.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static long allocations_left = -1; /* before one fails; -1: none fails */
 
@@ -129,6 +130,22 @@ static eskel_status run_pipeline(const uint8_t *bytes, size_t size, eskel_error 
 	return status;
 }
 
+static void assert_failures_are_reported(const uint8_t *bytes, size_t size)
+{
+	int failures = 0;
+	for (bool failed = true; failed && failures < 1000; failures++) {
+		eskel_error error = {ESKEL_NO_MEMORY, ""};
+		allocations_left = failures;
+		eskel_status status = run_pipeline(bytes, size, &error);
+		failed = allocations_left < 0;
+		allocations_left = -1;
+		/* A failure to give memory back, when a buffer shrinks, does no harm. */
+		if (status != ESKEL_OK && (!failed || status != ESKEL_NO_MEMORY || error.status != ESKEL_NO_MEMORY))
+			fail_msg("allocation %d: %s (%s)", failures, eskel_status_text(status), error.text);
+	}
+	assert_in_range(failures, 15, 999);
+}
+
 static void every_failed_allocation_is_reported_and_leaks_nothing(void **state)
 {
 	(void)state;
@@ -143,26 +160,35 @@ static void every_failed_allocation_is_reported_and_leaks_nothing(void **state)
 	size_t size, gzip_size;
 	uint8_t *bytes = nifti_file_write(&file, values, 240, &size);
 	uint8_t *gzipped = nifti_file_gzip(bytes, size, &gzip_size);
-	int failures = 0;
-	for (bool failed = true; failed && failures < 1000; failures++) {
-		eskel_error error = {ESKEL_NO_MEMORY, ""};
-		allocations_left = failures;
-		eskel_status status = run_pipeline(gzipped, gzip_size, &error);
-		failed = allocations_left < 0;
-		allocations_left = -1;
-		/* A failure to give memory back, when a buffer shrinks, does no harm. */
-		if (status != ESKEL_OK && (!failed || status != ESKEL_NO_MEMORY || error.status != ESKEL_NO_MEMORY))
-			fail_msg("allocation %d: %s (%s)", failures, eskel_status_text(status), error.text);
-	}
-	assert_in_range(failures, 15, 999);
+	assert_failures_are_reported(gzipped, gzip_size);
 	free(gzipped);
 	free(bytes);
+}
+
+static void so_is_each_in_a_file_of_layers(void **state)
+{
+	(void)state;
+	static const char header[] = "NRRD0004\ntype: uint8\nencoding: gzip\ndimension: 4\nsizes: 2 8 6 5\nspace: LPS\n"
+				     "space directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+				     "Segment0_Name:=a\nSegment1_Name:=b\n\n";
+	enum { header_size = sizeof header - 1 };
+	uint8_t voxels[2 * 8 * 6 * 5], file[2000];
+	for (int i = 0; i < 480; i++)
+		voxels[i] = i % 7 == 1;
+	size_t size;
+	uint8_t *gzipped = nifti_file_gzip(voxels, sizeof voxels, &size);
+	assert_true(header_size + size <= sizeof file);
+	memcpy(file, header, header_size);
+	memcpy(file + header_size, gzipped, size);
+	assert_failures_are_reported(file, header_size + size);
+	free(gzipped);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_failed_allocation_is_reported_and_leaks_nothing),
+		cmocka_unit_test(so_is_each_in_a_file_of_layers),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

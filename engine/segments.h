@@ -1,0 +1,26 @@
+/* What a file says of its labels: segments, in layers when they overlap. */
+#ifndef ESK_SEGMENTS_H
+#define ESK_SEGMENTS_H
+
+#include "eskel.h"
+
+typedef struct {
+	int32_t label;  /* that the volume gives it */
+	uint32_t layer; /* that it is in */
+	int32_t value;  /* of its voxels there */
+	char *name;     /* NULL: none */
+} esk_segment;
+
+/* All-zero is empty. */
+typedef struct {
+	size_t count, capacity;
+	esk_segment *items;
+} esk_segments;
+
+/* Copies the segment and its name. ESKEL_NO_MEMORY. */
+eskel_status esk_segments_add(esk_segments *segments, const esk_segment *segment);
+/* The name of the first segment that has the label and a name; NULL without. */
+const char *esk_segments_name(const esk_segments *segments, int32_t label);
+void esk_segments_clear(esk_segments *segments);
+
+#endif
