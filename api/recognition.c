@@ -60,8 +60,7 @@ static eskel_store_status take(eskel_api *api, const eskel_neighbour *found, boo
 }
 
 /* The first so many neighbours are to be explained. */
-static bool gather(eskel_api *api, const esk_unknown *unknown, size_t explained, esk_recognition *recognition,
-	esk_problem *problem)
+static bool gather(eskel_api *api, size_t explained, esk_recognition *recognition, esk_problem *problem)
 {
 	const eskel_search_result *found = recognition->search;
 	recognition->neighbours = calloc(found->count + 1, sizeof *recognition->neighbours);
@@ -77,10 +76,22 @@ static bool gather(eskel_api *api, const esk_unknown *unknown, size_t explained,
 		if (!esk_problem_store(problem, status, &error))
 			return false;
 		recognition->count++;
-		eskel_status compared =
+	}
+	return true;
+}
+
+/* Of the first so many neighbours; those that have been compared stay as they are. */
+static bool compare_hands(const esk_unknown *unknown, size_t count, esk_recognition *recognition, esk_problem *problem)
+{
+	for (size_t i = 0; i < recognition->count && i < count; i++) {
+		esk_neighbour *neighbour = &recognition->neighbours[i];
+		if (neighbour->is_compared)
+			continue;
+		eskel_status status =
 			eskel_chirality_compare(unknown->placement, neighbour->known->placement, &neighbour->chirality);
-		if (!esk_problem_engine(problem, compared, NULL))
+		if (!esk_problem_engine(problem, status, NULL))
 			return false;
+		neighbour->is_compared = true;
 	}
 	return true;
 }
@@ -89,7 +100,7 @@ bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_
 	eskel_search_options *options, esk_recognition *recognition, esk_problem *problem)
 {
 	return search(api, unknown, choice, options, recognition, problem) &&
-	       gather(api, unknown, explained, recognition, problem);
+	       gather(api, explained, recognition, problem) && compare_hands(unknown, ESK_VOTERS, recognition, problem);
 }
 
 void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *evidence)
@@ -162,7 +173,8 @@ bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_
 		return false;
 	esk_verdict_of_evidence(&evidence, &scores, &unknown->shape->description, &recognition->verdict);
 	recognition->proven = recognition->search->proven;
-	return by_distance || order_by_position(unknown, options.distance.size, recognition, problem);
+	return (by_distance || order_by_position(unknown, options.distance.size, recognition, problem)) &&
+	       compare_hands(unknown, wanted, recognition, problem);
 }
 
 void esk_recognition_clear(eskel_api *api, esk_recognition *recognition)

@@ -26,6 +26,7 @@ typedef struct {
 typedef struct {
 	const eskel_neighbour *found; /* of the search result */
 	const esk_known_shape *known;
+	bool is_compared; /* for its handedness: those that vote or are answered */
 	eskel_chirality chirality;
 	double position_distance; /* with order=position */
 	eskel_skeleton *skeleton; /* of those explained, otherwise NULL */
@@ -44,8 +45,9 @@ typedef struct {
 bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem);
 void esk_choice_clear(esk_choice *choice);
 
-/* The neighbours, without a verdict: at least ESK_VOTERS where there are so many, the first so many with what explaining
- * them takes. Sets the keys and what is left out in the options. Clear the recognition also after a failure. */
+/* The neighbours, without a verdict: at least ESK_VOTERS, compared for their handedness, where there are so many, the first
+ * so many with what explaining them takes. Sets the keys and what is left out in the options. Clear the recognition also
+ * after a failure. */
 bool esk_recognition_find(eskel_api *api, const esk_unknown *unknown, const esk_choice *choice, size_t explained,
 	eskel_search_options *options, esk_recognition *recognition, esk_problem *problem);
 void esk_recognition_evidence(const esk_recognition *recognition, esk_evidence *evidence);
