@@ -53,6 +53,7 @@ static bool hold_trial(eskel_api *api, const eskel_search_options *options, int6
 		.distance = options->distance, .limit = 1, .leave_out = true, .left_out_key = key};
 	eskel_search_options pruned = *options;
 	pruned.keys = NULL;
+	pruned.scale = ESKEL_SCALE_NONE; /* which orders what was found, and loses nothing */
 	pruned.leave_out = true;
 	pruned.left_out_key = key;
 	double nearest, found;

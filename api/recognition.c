@@ -169,7 +169,8 @@ bool esk_recognition_make(eskel_api *api, const esk_unknown *unknown, const esk_
 	esk_recognition_evidence(recognition, &evidence);
 	if (!esk_calibration_score(api->calibration, &options.distance, &evidence, &scores, problem))
 		return false;
-	if (!recognition->search->proven && !esk_pruning_risk(api->pruning, &options, &recognition->risk, problem))
+	recognition->has_risk = options.mode == ESKEL_SEARCH_PRUNED && !recognition->search->proven;
+	if (recognition->has_risk && !esk_pruning_risk(api->pruning, &options, &recognition->risk, problem))
 		return false;
 	esk_verdict_of_evidence(&evidence, &scores, &unknown->shape->description, &recognition->verdict);
 	recognition->proven = recognition->search->proven;

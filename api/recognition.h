@@ -36,6 +36,7 @@ typedef struct {
 	eskel_search_result *search;
 	double milliseconds; /* of the search */
 	bool proven;         /* no shape that is left out comes before one of the neighbours */
+	bool has_risk;       /* shapes were pruned */
 	esk_risk risk;       /* that the nearest shape was pruned */
 	size_t count;
 	esk_neighbour *neighbours; /* found by the search and still stored, in the order asked for */

@@ -14,11 +14,11 @@ static json_t *search_json(const esk_recognition *recognition, const esk_paramet
 			json_decref(kept);
 			return NULL;
 		}
-	json_t *risk = search->proven ? json_null()
-				      : json_pack("{s:o, s:I, s:I}", "dropped_nearest",
-						esk_json_real(recognition->risk.dropped_nearest), "trials",
-						(json_int_t)recognition->risk.trials, "library",
-						(json_int_t)recognition->risk.library);
+	json_t *risk = !recognition->has_risk ? json_null()
+					      : json_pack("{s:o, s:I, s:I}", "dropped_nearest",
+							esk_json_real(recognition->risk.dropped_nearest), "trials",
+							(json_int_t)recognition->risk.trials, "library",
+							(json_int_t)recognition->risk.library);
 	return json_pack("{s:s, s:b, s:o, s:s, s:I, s:I, s:o, s:o}", "mode",
 		query->mode == ESKEL_SEARCH_EXACT ? "exact" : "pruned", "proven", (int)recognition->proven, "risk",
 		risk, "distance", query->distance == ESKEL_DISTANCE_LEVEL ? "level" : "sum", "library",

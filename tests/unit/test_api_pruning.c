@@ -48,6 +48,17 @@ static void the_risk_is_how_often_stored_shapes_lose_their_nearest(void **state)
 	}
 }
 
+static void an_order_risks_nothing(void **state)
+{
+	api_fixture *f = *state;
+	char ids[SHAPES][ESKEL_ID_SIZE];
+	enroll_many(f->api, ids);
+	answer a = get(f->api, "/recognize?shape=%s&scale=neighbourhood", ids[0]);
+	assert_false(json_is_true(at(&a, "results.0.search.proven")));
+	assert_true(json_is_null(at(&a, "results.0.search.risk")));
+	answer_free(&a);
+}
+
 static void keeping_all_risks_nothing(void **state)
 {
 	api_fixture *f = *state;
@@ -83,6 +94,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		api_test(the_risk_is_how_often_stored_shapes_lose_their_nearest),
+		api_test(an_order_risks_nothing),
 		api_test(keeping_all_risks_nothing),
 		api_test(what_only_pruning_uses_is_refused_elsewhere),
 	};
