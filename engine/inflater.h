@@ -1,4 +1,4 @@
-/* Deflated data (RFC 1951) inflated as they arrive, and the checksum that gzip keeps of them. ISA-L does both
+/* Deflated data (RFC 1951) inflated as they arrive, and the checksums that gzip and zlib keep of them. ISA-L does all
  * (inflater_isal.c), or zlib where the build found no ISA-L (inflater_zlib.c), more slowly. The two differ in bad data
  * alone: zlib refuses a block whose code leaves bit patterns without a meaning, ISA-L only data that use one; and ISA-L
  * may keep back the last two bytes before the end of what has arrived, which only shows where data break off. */
@@ -23,5 +23,7 @@ eskel_status esk_inflater_run(esk_inflater *inflater, const uint8_t **in, size_t
 
 /* The CRC-32 of some bytes followed by size more, given that of the former (0 for none). */
 uint32_t esk_inflater_crc32(uint32_t crc, const uint8_t *bytes, size_t size);
+/* The same for the Adler-32 (1 for none). */
+uint32_t esk_inflater_adler32(uint32_t adler, const uint8_t *bytes, size_t size);
 
 #endif

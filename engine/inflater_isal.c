@@ -124,3 +124,8 @@ uint32_t esk_inflater_crc32(uint32_t crc, const uint8_t *bytes, size_t size)
 {
 	return crc32_gzip_refl(crc, bytes, size);
 }
+
+uint32_t esk_inflater_adler32(uint32_t adler, const uint8_t *bytes, size_t size)
+{
+	return isal_adler32(adler, bytes, size);
+}

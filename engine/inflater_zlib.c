@@ -64,3 +64,8 @@ uint32_t esk_inflater_crc32(uint32_t crc, const uint8_t *bytes, size_t size)
 {
 	return (uint32_t)crc32_z(crc, bytes, size);
 }
+
+uint32_t esk_inflater_adler32(uint32_t adler, const uint8_t *bytes, size_t size)
+{
+	return (uint32_t)adler32_z(adler, bytes, size);
+}

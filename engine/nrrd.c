@@ -96,14 +96,17 @@ static eskel_status read_type(const reading *r, eskel_error *error)
 
 static const struct {
 	const char *name;
-	esk_volume_encoding encoding;
+	bool text, compressed;
+	esk_compression compression;
 } encodings[] = {
-	{"raw", ESK_ENCODING_RAW},
-	{"gzip", ESK_ENCODING_GZIP},
-	{"gz", ESK_ENCODING_GZIP},
-	{"text", ESK_ENCODING_TEXT},
-	{"txt", ESK_ENCODING_TEXT},
-	{"ascii", ESK_ENCODING_TEXT},
+	{.name = "raw"},
+	{.name = "gzip", .compressed = true, .compression = ESK_COMPRESSION_GZIP},
+	{.name = "gz", .compressed = true, .compression = ESK_COMPRESSION_GZIP},
+	{.name = "bzip2", .compressed = true, .compression = ESK_COMPRESSION_BZIP2},
+	{.name = "bz2", .compressed = true, .compression = ESK_COMPRESSION_BZIP2},
+	{.name = "text", .text = true},
+	{.name = "txt", .text = true},
+	{.name = "ascii", .text = true},
 };
 
 static eskel_status read_encoding(const reading *r, eskel_error *error)
@@ -111,18 +114,20 @@ static eskel_status read_encoding(const reading *r, eskel_error *error)
 	const char *encoding = value_of(r, ESK_NRRD_ENCODING);
 	for (size_t i = 0; i < sizeof encodings / sizeof *encodings; i++)
 		if (strcasecmp(encodings[i].name, encoding) == 0) {
-			r->header->encoding = encodings[i].encoding;
+			r->header->text = encodings[i].text;
+			r->header->compressed = encodings[i].compressed;
+			r->header->compression = encodings[i].compression;
 			return ESKEL_OK;
 		}
 	return esk_error_set(error, encoding[0] ? ESKEL_UNSUPPORTED : ESKEL_MALFORMED,
-		"the NRRD header's encoding is \"%.60s\", expected raw, gzip or text", encoding);
+		"the NRRD header's encoding is \"%.60s\", expected raw, gzip, bzip2 or text", encoding);
 }
 
 static eskel_status read_endian(const reading *r, eskel_error *error)
 {
 	const char *endian = value_of(r, ESK_NRRD_ENDIAN);
 	esk_voxel_format *voxels = &r->header->voxels;
-	if (r->header->encoding == ESK_ENCODING_TEXT) {
+	if (r->header->text) {
 		const bool big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
 		*voxels = (esk_voxel_format){.kind = ESK_VOXEL_FLOAT, .size = sizeof(double), .big_endian = big_endian};
 		return ESKEL_OK;

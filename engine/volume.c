@@ -1,13 +1,14 @@
-/* The push decoder: bytes in pieces of any size -> inflated -> header -> voxels, inflated or read as text -> runs
+/* The push decoder: bytes in pieces of any size -> decompressed -> header -> voxels, decompressed or read as text -> runs
  * per label.
  *
- * Each stage keeps only what it cannot yet pass on: the inflater a fixed window, the header stage the header's bytes,
+ * Each stage keeps only what it cannot yet pass on: a decompressor a fixed window, the header stage the header's bytes,
  * the voxel stage the broken-off voxel, or number, at the end of a piece. So memory is bounded by the runs, and the result,
  * including which error a bad file gives, does not depend on how the file was cut: each stage sees every byte before
  * the fault and none after it. (But for two bytes where gzip data break off: see inflater.h.)
  *
  * A further format is one more esk_header_reader (volume_format.h) in the list below.
  */
+#include "decompressor.h"
 #include "error.h"
 #include "gzip.h"
 #include "layers.h"
@@ -25,33 +26,26 @@ static const uint64_t default_most_voxels = (uint64_t)1 << 33;
 static const size_t default_most_runs = (size_t)1 << 27;
 static const uint32_t default_most_labels = 4096;
 
-/* Inflated bytes are scanned while they are still in the second-level cache. A window costs the inflater a copy of the
- * 32 KB before it, so it is not small. */
-enum { window_size = 1 << 18, shortest_header = 4, largest_voxel = 8 };
+enum { shortest_header = 4, largest_voxel = 8 };
 
-static esk_header_reader *const header_readers[] = {esk_nifti_read_header, esk_nrrd_read_header};
+static esk_header_reader *const header_readers[] = {
+	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header};
 
 typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, FINISHED } phase;
-
-/* Of the whole file, or of the voxels behind the header. */
-typedef struct {
-	esk_gzip *gzip; /* NULL: not gzipped */
-	uint8_t *window;
-} inflation;
 
 struct eskel_volume {
 	phase phase;
 	eskel_error error; /* status other than ESKEL_OK: every further call returns it */
 	uint64_t most_voxels;
 
-	bool begun; /* the first byte has come */
-	inflation file;
+	bool begun;             /* the first byte has come */
+	esk_decompressor *file; /* NULL: the file is not gzipped */
 
 	uint8_t *header_bytes;
 	size_t header_size, header_capacity, header_needed;
 	esk_volume_header header;
 
-	inflation voxels;
+	esk_decompressor *voxels; /* NULL: the voxels are not compressed behind the header */
 	esk_number_text text;
 	uint64_t bytes_left; /* of the present phase: before the voxels, of the voxels as they are decoded */
 	uint8_t broken[largest_voxel * ESK_LAYERS_MOST]; /* the first bytes of a voxel that the last piece broke off */
@@ -99,10 +93,8 @@ void eskel_volume_free(eskel_volume *volume)
 {
 	if (!volume)
 		return;
-	esk_gzip_free(volume->file.gzip);
-	free(volume->file.window);
-	esk_gzip_free(volume->voxels.gzip);
-	free(volume->voxels.window);
+	esk_decompressor_free(volume->file);
+	esk_decompressor_free(volume->voxels);
 	free(volume->header_bytes);
 	esk_layers_free(volume->layers);
 	esk_segments_clear(&volume->header.segments);
@@ -143,8 +135,9 @@ static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t siz
 	return add_whole_voxels(v, bytes, whole, error);
 }
 
-static eskel_status take_voxels(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+static eskel_status take_voxels(void *volume, const uint8_t *bytes, size_t size, eskel_error *error)
 {
+	eskel_volume *v = volume;
 	size_t taken = v->bytes_left < size ? (size_t)v->bytes_left : size;
 	v->bytes_left -= taken;
 	eskel_status status = add_voxels(v, bytes, taken, error);
@@ -153,30 +146,12 @@ static eskel_status take_voxels(eskel_volume *v, const uint8_t *bytes, size_t si
 	return status;
 }
 
-/* What takes the bytes that a stage has decoded. */
-typedef eskel_status taker(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error);
-
-static eskel_status begin_inflation(inflation *i, eskel_error *error)
+static eskel_status begin_decompression(
+	esk_compression compression, esk_decompressor **decompressor, eskel_error *error)
 {
-	i->window = esk_memory_array(window_size, 1);
-	if (!i->window || esk_gzip_new(&i->gzip) != ESKEL_OK)
-		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for inflating");
+	if (esk_decompressor_new(compression, decompressor) != ESKEL_OK)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for decompressing");
 	return ESKEL_OK;
-}
-
-static eskel_status take_gzipped(
-	eskel_volume *v, inflation *i, taker *take, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	eskel_status inflated;
-	size_t used;
-	do {
-		inflated = esk_gzip_inflate(i->gzip, &bytes, &size, i->window, window_size, &used, error);
-		/* What came out before a fault is looked at first, as it would be had it come alone. */
-		eskel_status status = take(v, i->window, used, error);
-		if (status != ESKEL_OK)
-			return status;
-	} while (inflated == ESKEL_OK && used == window_size);
-	return inflated;
 }
 
 static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
@@ -199,7 +174,7 @@ static eskel_status begin_voxels(eskel_volume *v, eskel_error *error)
 	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
 	v->phase = IN_VOXELS;
 	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * size_of_voxel(v);
-	return v->header.encoding == ESK_ENCODING_GZIP ? begin_inflation(&v->voxels, error) : ESKEL_OK;
+	return v->header.compressed ? begin_decompression(v->header.compression, &v->voxels, error) : ESKEL_OK;
 }
 
 /* From the first byte of the file on: what lies before the voxels, the voxels, nothing. */
@@ -216,15 +191,9 @@ static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size
 	}
 	if (status != ESKEL_OK || size == 0)
 		return status;
-	switch (v->header.encoding) {
-	case ESK_ENCODING_GZIP:
-		return take_gzipped(v, &v->voxels, take_voxels, bytes, size, error);
-	case ESK_ENCODING_TEXT:
-		return take_text(v, bytes, size, error);
-	case ESK_ENCODING_RAW:
-		break;
-	}
-	return take_voxels(v, bytes, size, error);
+	if (v->voxels)
+		return esk_decompressor_feed(v->voxels, bytes, size, take_voxels, v, error);
+	return v->header.text ? take_text(v, bytes, size, error) : take_voxels(v, bytes, size, error);
 }
 
 static eskel_status read_header(eskel_volume *v, eskel_error *error)
@@ -235,8 +204,8 @@ static eskel_status read_header(eskel_volume *v, eskel_error *error)
 		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
 	if (status == ESKEL_NOT_VOLUME)
 		return esk_error_set(error, status,
-			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2 or NRRD "
-			"file",
+			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2, "
+			"NRRD or MetaImage file",
 			bytes[0], bytes[1], bytes[2], bytes[3]);
 	return status;
 }
@@ -257,14 +226,15 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 	if (v->header.layer_count > 1 && esk_layers_new(v->builder, &v->header.segments, v->header.layer_count,
 						 &v->header.voxels, extent, &v->layers) != ESKEL_OK)
 		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %u layers", v->header.layer_count);
-	v->header.info.gzipped = v->file.gzip != NULL;
+	v->header.info.gzipped = v->file != NULL;
 	v->phase = BEFORE_VOXELS;
 	v->bytes_left = v->header.data_offset;
 	return take_body(v, v->header_bytes, v->header_size, error);
 }
 
-static eskel_status take_inflated(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+static eskel_status take_file(void *volume, const uint8_t *bytes, size_t size, eskel_error *error)
 {
+	eskel_volume *v = volume;
 	while (v->phase == IN_HEADER && size > 0) {
 		size_t missing = v->header_needed - v->header_size, taken = size < missing ? size : missing;
 		void *header_bytes = v->header_bytes;
@@ -290,7 +260,8 @@ static eskel_status take_inflated(eskel_volume *v, const uint8_t *bytes, size_t 
 static eskel_status begin(eskel_volume *v, uint8_t first_byte, eskel_error *error)
 {
 	v->begun = true;
-	return first_byte == ESK_GZIP_FIRST_BYTE ? begin_inflation(&v->file, error) : ESKEL_OK;
+	return first_byte == ESK_GZIP_FIRST_BYTE ? begin_decompression(ESK_COMPRESSION_GZIP, &v->file, error)
+						 : ESKEL_OK;
 }
 
 /* The error of every failed call is kept in the volume first. */
@@ -310,10 +281,10 @@ eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t s
 		return report(volume, error);
 	if (!volume->begun)
 		begin(volume, *(const uint8_t *)bytes, kept);
-	if (kept->status == ESKEL_OK && volume->file.gzip)
-		take_gzipped(volume, &volume->file, take_inflated, bytes, size, kept);
+	if (kept->status == ESKEL_OK && volume->file)
+		esk_decompressor_feed(volume->file, bytes, size, take_file, volume, kept);
 	else if (kept->status == ESKEL_OK)
-		take_inflated(volume, bytes, size, kept);
+		take_file(volume, bytes, size, kept);
 	return report(volume, error);
 }
 
@@ -321,7 +292,7 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 {
 	if (!v->begun)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file is empty");
-	if (v->file.gzip && !esk_gzip_is_complete(v->file.gzip))
+	if (v->file && !esk_decompressor_is_complete(v->file))
 		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data breaks off");
 	if (v->phase == IN_HEADER)
 		return esk_error_set(
@@ -329,9 +300,10 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 	if (v->phase == BEFORE_VOXELS)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends before byte %llu, its first voxel",
 			(unsigned long long)v->header.data_offset);
-	if (v->voxels.gzip && !esk_gzip_is_complete(v->voxels.gzip))
-		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data of the voxels breaks off");
-	if (v->bytes_left > 0 && v->header.encoding == ESK_ENCODING_TEXT)
+	if (v->voxels && !esk_decompressor_is_complete(v->voxels))
+		return esk_error_set(error, ESKEL_TRUNCATED, "the %s data of the voxels breaks off",
+			esk_decompressor_name(v->voxels));
+	if (v->bytes_left > 0 && v->header.text)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu voxels before the end of its text",
 			(unsigned long long)(v->bytes_left / size_of_voxel(v)));
 	if (v->bytes_left > 0)
@@ -355,7 +327,7 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 	if (volume->phase == FINISHED || volume->error.status != ESKEL_OK)
 		return report(volume, error);
 	/* A blank ends the last number of a text. */
-	if (volume->phase == IN_VOXELS && volume->header.encoding == ESK_ENCODING_TEXT)
+	if (volume->phase == IN_VOXELS && volume->header.text)
 		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
 	if (volume->error.status == ESKEL_OK && check_complete(volume, &volume->error) == ESKEL_OK) {
 		find_labels(volume, &volume->error);

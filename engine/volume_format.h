@@ -2,17 +2,17 @@
 #ifndef ESK_VOLUME_FORMAT_H
 #define ESK_VOLUME_FORMAT_H
 
+#include "decompressor.h"
 #include "segments.h"
 #include "voxel.h"
-
-/* How the voxels follow the header. Text: numbers between blanks, which become 64-bit floats of this machine's order. */
-typedef enum { ESK_ENCODING_RAW, ESK_ENCODING_GZIP, ESK_ENCODING_TEXT } esk_volume_encoding;
 
 typedef struct {
 	eskel_volume_info info;  /* all but gzipped */
 	esk_voxel_format voxels; /* x fastest, then y, then z */
 	uint32_t layer_count;    /* more than 1: a voxel is as many values, of the segments' layers */
-	esk_volume_encoding encoding;
+	bool text;               /* numbers between blanks, which become 64-bit floats of this machine's order */
+	bool compressed;         /* the voxels alone, behind the header */
+	esk_compression compression;
 	uint64_t data_offset; /* of the first voxel, in bytes from the start of the file */
 	esk_segments segments;
 } esk_volume_header;
@@ -24,7 +24,7 @@ typedef struct {
 typedef eskel_status esk_header_reader(
 	const uint8_t *bytes, size_t size, size_t *needed, esk_volume_header *header, eskel_error *error);
 
-esk_header_reader esk_nifti_read_header, esk_nrrd_read_header;
+esk_header_reader esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header;
 
 /* Adds a warning; a format gives at most as many as eskel_volume_info holds. */
 void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)

@@ -147,9 +147,9 @@ ESKEL_API void eskel_components_free(eskel_components *components);
 /* ---------------------------------------------------------------------------------------------- volume */
 
 /* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and
- * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files, and
- * NRRD files with their voxels attached (raw, gzip or text; 3D Slicer segmentations among them); either endianness, gzipped
- * or not. Overlapping segments of 3D Slicer (at most 256 layers) are labelled by their label values,
+ * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files, NRRD
+ * files with their voxels attached (raw, gzip, bzip2 or text; 3D Slicer segmentations among them) and MetaImage files with
+ * theirs (.mha, compressed or not); either endianness, gzipped or not. Overlapping segments of 3D Slicer (at most 256 layers) are labelled by their label values,
  * or, where two have the same, by their numbers from 1 on; voxels of a layer that no segment describes are left out. Nothing
  * is ever opened: a header that names another file is refused. */
 typedef struct eskel_volume eskel_volume;
@@ -171,7 +171,7 @@ ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
 /* The rest is for a finished volume. */
 typedef struct {
-	const char *format;            /* "NIfTI-1", "NIfTI-2" or "NRRD", static */
+	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD" or "MetaImage", static */
 	bool gzipped;                  /* the whole file, header and all */
 	uint32_t extent[3];
 	eskel_affine affine;

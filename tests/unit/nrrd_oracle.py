@@ -22,7 +22,7 @@ TYPES = {"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i
          "unsigned short": "u2", "int": "i4", "unsigned int": "u4", "long long int": "i8",
          "unsigned long long int": "u8"}
 SPACES = {"right-anterior-superior": (1, 1), "left-anterior-superior": (-1, 1), "left-posterior-superior": (-1, -1)}
-ENCODINGS = ["raw", "gzip", "ascii"]
+ENCODINGS = ["raw", "gzip", "bzip2", "ascii"]
 
 
 def unu_save(source, target, encoding, endian="little"):

@@ -12,6 +12,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 static long allocations_left = -1; /* before one fails; -1: none fails */
 
@@ -184,11 +185,26 @@ static void so_is_each_in_a_file_of_layers(void **state)
 	free(gzipped);
 }
 
+static void so_is_each_that_a_metaimage_needs(void **state)
+{
+	(void)state;
+	static const char header[] = "NDims = 3\nDimSize = 8 6 5\nElementType = MET_UCHAR\nCompressedData = True\n"
+				     "ElementDataFile = LOCAL\n";
+	uint8_t voxels[240], file[1000];
+	uLongf stream_size = sizeof file - sizeof header;
+	for (int i = 0; i < 240; i++)
+		voxels[i] = (uint8_t)(i % 7 % 3);
+	memcpy(file, header, sizeof header - 1);
+	assert_int_equal(compress(file + sizeof header - 1, &stream_size, voxels, sizeof voxels), Z_OK);
+	assert_failures_are_reported(file, sizeof header - 1 + stream_size);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_failed_allocation_is_reported_and_leaks_nothing),
 		cmocka_unit_test(so_is_each_in_a_file_of_layers),
+		cmocka_unit_test(so_is_each_that_a_metaimage_needs),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,6 +15,7 @@
 
 #define VARIANT(name) REAL_DATA "io_variants/VHF_talus_L_" name ".nii.gz"
 #define NRRD_VARIANT(name) REAL_DATA "io_variants/VHF_talus_L_" name ".nrrd"
+#define METAIMAGE(name) REAL_DATA "io_variants/VHF_talus_L_" name ".mha"
 
 static real_shape talus;
 
@@ -65,6 +66,21 @@ static void an_oblique_nrrd_file_gives_the_cloud_of_its_nifti_twin(void **state)
 	assert_same_cloud(nifti.cloud, nrrd.cloud);
 	real_shape_clear(&nifti);
 	real_shape_clear(&nrrd);
+}
+
+static void as_a_metaimage_it_is_the_same_cloud(void **state)
+{
+	(void)state;
+	static const char *const pairs[][2] = {{METAIMAGE("RAS"), VARIANT("RAS")}, {METAIMAGE("LAS"), VARIANT("LAS")},
+		{METAIMAGE("PIR"), VARIANT("PIR")}, {METAIMAGE("oblique"), VARIANT("oblique")}};
+	for (size_t p = 0; p < sizeof pairs / sizeof *pairs; p++) {
+		real_shape metaimage = {0}, nifti = {0};
+		real_shape_read(&metaimage, pairs[p][0]);
+		real_shape_read(&nifti, pairs[p][1]);
+		assert_same_cloud(metaimage.cloud, nifti.cloud);
+		real_shape_clear(&metaimage);
+		real_shape_clear(&nifti);
+	}
 }
 
 static void resampled_the_talus_is_close_and_of_the_same_hand(void **state)
@@ -239,6 +255,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_axis_order_type_and_format_gives_the_same_cloud),
 		cmocka_unit_test(an_oblique_nrrd_file_gives_the_cloud_of_its_nifti_twin),
+		cmocka_unit_test(as_a_metaimage_it_is_the_same_cloud),
 		cmocka_unit_test(resampled_the_talus_is_close_and_of_the_same_hand),
 		cmocka_unit_test(mirrored_the_talus_is_as_near_and_of_the_other_hand),
 		cmocka_unit_test(isometries_of_the_talus_are_recovered),

@@ -530,9 +530,9 @@ static void every_bad_file_is_refused_in_its_own_words_however_it_is_cut(void **
 	DIR *folder = opendir("fixtures/volumes");
 	assert_non_null(folder);
 	for (struct dirent *entry; (entry = readdir(folder));)
-		files += strstr(entry->d_name, ".nii") || strstr(entry->d_name, ".nrrd");
+		files += entry->d_name[0] != '.';
 	closedir(folder);
-	assert_int_equal(files, rows);
+	assert_int_equal(files, rows + 2); /* the table, and what writes it and the files */
 }
 
 static eskel_cloud *cloud_of_file(const char *path)
