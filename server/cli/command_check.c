@@ -8,7 +8,7 @@ static esk_outcome refusal(esk_outcome outcome)
 	return outcome == ESK_REFUSED ? ESK_MISUSED : outcome;
 }
 
-static esk_outcome check_all(esk_session *session, const esk_label_csv *table)
+static esk_outcome check_all(esk_session *session, const esk_label_names *table)
 {
 	const esk_arguments *arguments = session->arguments;
 	esk_outcome worst = ESK_DONE;
@@ -22,7 +22,7 @@ static esk_outcome check_all(esk_session *session, const esk_label_csv *table)
 
 esk_outcome esk_command_check(esk_session *session)
 {
-	esk_label_csv table = {0};
+	esk_label_names table = {0};
 	esk_outcome outcome = refusal(esk_session_open(session, ESKEL_REPORT_CHECK));
 	if (!outcome)
 		outcome = refusal(esk_post_read_labels(session, &table));
@@ -30,6 +30,6 @@ esk_outcome esk_command_check(esk_session *session)
 		outcome = refusal(esk_session_connect(session));
 	if (!outcome)
 		outcome = check_all(session, &table);
-	esk_label_csv_clear(&table);
+	esk_label_names_clear(&table);
 	return outcome;
 }

@@ -2,7 +2,7 @@
 #include "command.h"
 #include "post_volume.h"
 
-static esk_outcome enroll_all(esk_session *session, const esk_label_csv *table)
+static esk_outcome enroll_all(esk_session *session, const esk_label_names *table)
 {
 	const esk_arguments *arguments = session->arguments;
 	esk_outcome worst = ESK_DONE;
@@ -13,7 +13,7 @@ static esk_outcome enroll_all(esk_session *session, const esk_label_csv *table)
 
 esk_outcome esk_command_enroll(esk_session *session)
 {
-	esk_label_csv table = {0};
+	esk_label_names table = {0};
 	esk_outcome outcome = esk_session_open(session, ESKEL_REPORT_SHAPES);
 	if (!outcome)
 		outcome = esk_post_read_labels(session, &table);
@@ -21,6 +21,6 @@ esk_outcome esk_command_enroll(esk_session *session)
 		outcome = esk_session_connect(session);
 	if (!outcome)
 		outcome = enroll_all(session, &table);
-	esk_label_csv_clear(&table);
+	esk_label_names_clear(&table);
 	return outcome;
 }

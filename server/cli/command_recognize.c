@@ -23,7 +23,7 @@ static esk_outcome recognize_stored(esk_session *session, const char *id)
 	return outcome;
 }
 
-static esk_outcome recognize_all(esk_session *session, const esk_label_csv *table)
+static esk_outcome recognize_all(esk_session *session, const esk_label_names *table)
 {
 	const esk_arguments *arguments = session->arguments;
 	esk_outcome worst = ESK_DONE;
@@ -40,7 +40,7 @@ static esk_outcome recognize_all(esk_session *session, const esk_label_csv *tabl
 
 esk_outcome esk_command_recognize(esk_session *session)
 {
-	esk_label_csv table = {0};
+	esk_label_names table = {0};
 	esk_outcome outcome = esk_session_open(session, ESKEL_REPORT_RECOGNITION);
 	if (!outcome)
 		outcome = esk_post_read_labels(session, &table);
@@ -48,6 +48,6 @@ esk_outcome esk_command_recognize(esk_session *session)
 		outcome = esk_session_connect(session);
 	if (!outcome)
 		outcome = recognize_all(session, &table);
-	esk_label_csv_clear(&table);
+	esk_label_names_clear(&table);
 	return outcome;
 }

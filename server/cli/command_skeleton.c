@@ -1,7 +1,7 @@
 /* eskel skeleton: decodes a volume and computes the skeletons of its objects here, without a server, some objects at a
  * time on all processors: answers come as it goes on, and memory does not grow with the number of objects. */
 #include "command.h"
-#include "label_csv.h"
+#include "label_names.h"
 #include "volume_file.h"
 
 #include "eskel_api.h"

@@ -26,7 +26,8 @@ esk_outcome esk_csv_open(const char *path, esk_csv *csv)
 		goto cleanup;
 	text[size] = '\0';
 	size_t mark = strncmp(text, "\xef\xbb\xbf", 3) ? 0 : 3;
-	*csv = (esk_csv){.path = path, .text = text, .next = text + mark, .end = text + size, .lines = 1};
+	*csv = (esk_csv){
+		.path = path, .text = text, .next = text + mark, .end = text + size, .lines = 1, .separator = ','};
 	text = NULL;
 cleanup:
 	free(text);
@@ -49,19 +50,20 @@ static field_kind wrong(const esk_csv *csv, const char *what)
 	return WRONG_FIELD;
 }
 
-/* Takes the comma or the line end after a field whose text ends at out. */
+/* Takes the separator or the line end after a field whose text ends at out. */
 static field_kind end_field(esk_csv *csv, char *out)
 {
 	char *at = csv->next;
-	bool comma = at < csv->end && *at == ',';
+	bool more = at < csv->end && *at == csv->separator;
 	if (at < csv->end && *at == '\r' && at[1] == '\n')
 		at++;
-	if (at < csv->end && *at != ',' && *at != '\n')
-		return wrong(csv, "expected a comma or the line's end after the field");
-	csv->lines += !comma;
+	if (at < csv->end && *at != csv->separator && *at != '\n')
+		return wrong(csv, csv->separator == ',' ? "expected a comma or the line's end after the field"
+							: "expected a tab or the line's end after the field");
+	csv->lines += !more;
 	csv->next = at < csv->end ? at + 1 : at;
 	*out = '\0';
-	return comma ? FIELD : LAST_FIELD;
+	return more ? FIELD : LAST_FIELD;
 }
 
 /* Unquotes the field where it stands: it is never longer than its source. */
@@ -83,7 +85,8 @@ static field_kind read_quoted(esk_csv *csv, const char **field)
 
 static field_kind read_plain(esk_csv *csv, const char **field)
 {
-	char *at = csv->next + strcspn(csv->next, ",\r\n\"");
+	const char stops[] = {csv->separator, '\r', '\n', '"', '\0'};
+	char *at = csv->next + strcspn(csv->next, stops);
 	if (*at == '"')
 		return wrong(csv, "a quote stands inside a field that does not begin with one");
 	*field = csv->next;

@@ -1,5 +1,5 @@
 /* CSV as in RFC 4180: fields apart by commas, quoted where they hold commas, quotes or line ends, lines ended by CRLF or
- * LF. A UTF-8 byte order mark in front is skipped. Everything else is refused, with the line and the column. */
+ * LF. Tabs may stand for the commas. A UTF-8 byte order mark in front is skipped. Everything else is refused, with the line and the column. */
 #ifndef ESK_CSV_H
 #define ESK_CSV_H
 
@@ -15,6 +15,7 @@ typedef struct {
 	char *next, *end;      /* what is left to read; a NUL stands at the end */
 	unsigned line, column; /* of the field read last, from 1; a quoted line end stays in its line */
 	unsigned lines;        /* that this line took so far */
+	char separator;        /* a comma, unless the reader says otherwise before the first line */
 } esk_csv;
 
 /* Reads the file. Close it, which frees the fields too. */

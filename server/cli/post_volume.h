@@ -8,13 +8,13 @@
 #ifndef ESK_POST_VOLUME_H
 #define ESK_POST_VOLUME_H
 
-#include "label_csv.h"
+#include "label_names.h"
 #include "session.h"
 
 /* path: "/shapes" or "/recognize". table: empty for none. */
-esk_outcome esk_post_volume(esk_session *session, const char *path, const char *file, const esk_label_csv *table);
+esk_outcome esk_post_volume(esk_session *session, const char *path, const char *file, const esk_label_names *table);
 
 /* The table of --labels; empty when it was not given. */
-esk_outcome esk_post_read_labels(const esk_session *session, esk_label_csv *table);
+esk_outcome esk_post_read_labels(const esk_session *session, esk_label_names *table);
 
 #endif

@@ -1,6 +1,6 @@
 #include "volume_file.h"
 
-#include "label_csv.h"
+#include "label_names.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -12,6 +12,38 @@ from support import ESKELD, Served, ball, hook, side_by_side, write_nifti
 
 TABLE = "label,name,class,side\n1,hook_left,hook,left\n2,hook_right,hook,right\n3,ball,ball,none\n"
 
+OTHER_TABLES = {
+    "ITK-SNAP": """\
+################################################
+# ITK-SnAP Label Description File
+# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL
+################################################
+    0     0    0    0        0  0  0    "Clear Label"
+    1   255    0    0        1  1  1    "Left-Hippocampus"
+    2     0  255    0      0.5  1  0    "femur_right"
+    3     0    0  255        1  0  1    "sacrum"
+""",
+    "FreeSurfer": """\
+#$Id: FreeSurferColorLUT.txt $
+
+#No. Label Name:                            R   G   B   A
+0   Unknown                                 0   0   0   0
+1   Left-Hippocampus                        220 216 20  0
+2   femur_right                             0   255 0   0\r
+3   sacrum                                  0   0   255 0""",
+    "3D Slicer": """\
+# Color table file segmentation.ctbl
+# 4 values
+0 Background 0 0 0 0
+1 Left-Hippocampus 128 174 128 255
+2 femur_right 241 214 145 255
+3 sacrum 177 122 101 255
+""",
+    "BIDS": "index\tname\tabbreviation\tcolor\tmapping\n0\tBackground\tn/a\tn/a\t0\n"
+            "1\tLeft-Hippocampus\tHL\t#ff0000\t17\n2\tfemur_right\tn/a\tn/a\tn/a\n3\tsacrum\tS\t#00ff00\t1\n",
+    "BIDS with sides": "index\tname\tside\n1\tLeft-Hippocampus\tn/a\n2\tfemur_right\tn/a\n3\tsacrum\tnone\n",
+}
+
 
 class Commands(Served):
     """A library of a hook, its mirror image and a ball."""
@@ -235,6 +267,16 @@ class Tables(Served):
         self.assertEqual([(row["label"], row["name"], row["side"]) for row in rows],
                          [("1", 'ball, the "first" & only', "left"), ("2", "größe", "right"), ("3", "balls.nii:3", "none")])
         self.assertEqual({row["class"] for row in rows}, {"ball"})
+
+    def test_tables_of_other_programs_are_read(self):
+        volume = self.path("shapes.nii")
+        for number, (program, table) in enumerate(OTHER_TABLES.items(), 2):
+            with self.subTest(program):
+                write_nifti(volume, side_by_side(ball(5), ball(6), ball(7)), spacing=number)  # shapes not stored before
+                rows = self.rows(self.eskel("enroll", volume, "--labels", self.write("names.txt", table)))
+                self.assertEqual([(row["name"], row["class"], row["side"]) for row in rows], [
+                    ("Left-Hippocampus", "hippocampus", "left"), ("femur_right", "femur", "right"),
+                    ("sacrum", "sacrum", "none" if "none" in table else "-")])
 
     def test_a_table_may_have_more_rows_than_the_volume_has_labels(self):
         volume = self.path("two.nii")

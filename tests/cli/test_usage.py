@@ -89,6 +89,16 @@ class Tables(Folder):
             ("label,name\r1,a\r", "line 1, column 2: expected a comma or the line's end"),
             (",".join(["c"] * 65), "line 1, column 65: there are more than 64 columns"),
             (b"label\n1\0\n", "it is not a table of text"),
+            ("index\tname\n1\ta\tb\n", "line 2, column 3: 3 fields, expected 2 as in the header"),
+            ("index\tname\n1\t\"a\"b\n", "line 2, column 2: expected a tab or the line's end"),
+            ("# colours\n\n1 a 0 0 0 0\n2 a 0 0 0\n", "line 4: expected a label, its name, red, green, blue and opacity"),
+            ("1 0 0 0 0\n", "line 1: expected a label, its name"),
+            ("1 a 0 0 0 x\n", "line 1: expected a label, its name"),
+            ('1 0 0 0 1 1 "a"\n', "line 1: expected a label, its name"),
+            ('1 2 0 0 0 1 1 1 "a"\n', "line 1: expected a label, its name"),
+            ('1 0 0 0 1 1 1 a"\n', "line 1: expected a label, its name"),
+            ("1 a 0 0 0 0\n1.5 b 0 0 0 0\n", 'line 2: "1.5" is not a whole number'),
+            ("1 a 0 0 0 0\n2 b 0 0 0 0\n1 c 0 0 0 0\n", "line 3: the label 1 stands in line 1 already"),
         ):
             with self.subTest(text):
                 table = self.write("table.csv", text)
