@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """Compares print_labels with nibabel: voxels, volume, centroid and touched borders of every label, in every .nii.gz
-below the folders given and in random files with all sorts of orientation, datatype and byte order.
+below the folders given and in random files with all sorts of orientation, datatype and byte order; of the random ones also
+with what they are as MetaImage.
 
 volume_oracle.py PRINT_LABELS FOLDER..."""
 import pathlib
 import subprocess
 import sys
 import tempfile
+import zlib
 
 try:
     import nibabel
@@ -15,6 +17,8 @@ except ImportError:
     print("skipped: nibabel is not installed")
     sys.exit(77)
 
+METAIMAGE_TYPES = {"i1": "MET_CHAR", "u1": "MET_UCHAR", "i2": "MET_SHORT", "u2": "MET_USHORT", "i4": "MET_INT", "u4": "MET_UINT",
+                   "i8": "MET_LONG_LONG", "u8": "MET_ULONG_LONG", "f4": "MET_FLOAT", "f8": "MET_DOUBLE"}
 BAD_VALUE, UNSUPPORTED = "refused 9", "refused 6"  # of eskel_status
 
 
@@ -55,14 +59,16 @@ def printed_labels(program, path):
     return result
 
 
-def compare(program, path):
-    expected, printed = expected_labels(path), printed_labels(program, path)
+def compare(program, path, nifti=None):
+    """Of a path that nibabel cannot read, nifti is the same volume."""
+    nifti = nifti or path
+    expected, printed = expected_labels(nifti), printed_labels(program, path)
     if isinstance(expected, str) or isinstance(printed, str):
         assert expected == printed, f"{path}: {printed}, expected {expected}"
         return 0
     assert sorted(expected) == sorted(printed), f"{path}: labels {sorted(printed)}, expected {sorted(expected)}"
     # The canonical offset is rounded to 1/1024 of less than the largest matrix entry.
-    spacing = numpy.abs(nibabel.load(path).affine[:3, :3]).max()
+    spacing = numpy.abs(nibabel.load(nifti).affine[:3, :3]).max()
     for label, (voxels, volume, centroid, sides) in expected.items():
         got = printed[label]
         where = f"{path}, label {label}: {got}, expected {expected[label]}"
@@ -95,6 +101,22 @@ def random_image(rng):
     return image
 
 
+def save_metaimage(nifti, path, compressed):
+    """The voxels as they lie in the file, axis by axis, in LPS."""
+    image = nibabel.load(nifti)
+    voxels = image.dataobj.get_unscaled()
+    spacing = numpy.linalg.norm(image.affine[:3, :3], axis=0)
+    lps = numpy.diag([-1, -1, 1]) @ image.affine[:3]
+    stored = voxels.tobytes(order="F")
+    numbers = [" ".join(map(repr, map(float, values))) for values in ((lps[:, :3] / spacing).T.ravel(), lps[:, 3], spacing)]
+    header = (f"ObjectType = Image\nNDims = 3\nBinaryData = True\n"
+              f"BinaryDataByteOrderMSB = {voxels.dtype.newbyteorder('=') != voxels.dtype}\nCompressedData = {compressed}\n"
+              f"TransformMatrix = {numbers[0]}\nOffset = {numbers[1]}\nElementSpacing = {numbers[2]}\n"
+              f"DimSize = {' '.join(map(str, voxels.shape))}\nElementType = {METAIMAGE_TYPES[voxels.dtype.str[1:]]}\n"
+              f"ElementDataFile = LOCAL\n")
+    path.write_bytes(header.encode() + (zlib.compress(stored) if compressed else stored))
+
+
 def main(program, folders):
     files = sorted(path for folder in folders for path in pathlib.Path(folder).rglob("*.nii.gz"))
     for folder in folders:
@@ -107,6 +129,9 @@ def main(program, folders):
             path = pathlib.Path(folder, f"random_{number}.nii" + (".gz" if number % 2 else ""))
             nibabel.save(random_image(rng), path)
             labels += compare(program, path)
+            metaimage = path.with_name(f"random_{number}.mha")
+            save_metaimage(path, metaimage, number % 3 == 0)
+            compare(program, metaimage, path)
     print(f"{len(files)} files and 100 random ones, {labels} labels agree")
 
 
