@@ -53,8 +53,8 @@ static void extend(const tree *a, const tree *b, uint32_t k, eskel_isomorphism *
 	const uint8_t *above = &found->other[ESKEL_NODES(k - 1)];
 	uint8_t *below = &found->other[ESKEL_NODES(k)];
 	const uint32_t width = esk_assignment_width(k + 1), i = (uint32_t)split_of(a, k), j = above[i];
-	esk_class_costs(a->query.metric, esk_numbers(a->query.signature), k + 1, a->query.rows[k], b->query.rows[k],
-		costs);
+	esk_class_costs(
+		a->query.metric, esk_numbers(a->query.signature), k + 1, a->query.rows[k], b->query.rows[k], costs);
 	const float straight = costs[i * width + j] + costs[k * width + k];
 	const float crossed = costs[i * width + k] + costs[k * width + j];
 	memcpy(below, above, k);
