@@ -273,6 +273,7 @@ static const struct parameter parameters[] = {
 	{.name = "signature", .take = take_choice, FIELD(signature), .choices = signatures},
 	{.name = "size", .take = take_choice, FIELD(size), .choices = sizes},
 	{.name = "subject", .take = take_text, FIELD(subject)},
+	{.name = "weights", .take = take_choice, FIELD(weights), .choices = answers},
 };
 
 /* attr.KEY fits any key, label.N.name any number in place of N. */

@@ -35,6 +35,7 @@ typedef struct esk_parameters {
 	bool all_labels; /* label=all was given */
 	size_t words_count;
 	esk_label_words *words;
+	unsigned weights; /* the voxels are weights */
 
 	const char *shape; /* an id */
 	size_t id_count;

@@ -10,17 +10,17 @@
 #define DISTANCE "signature", "distance", "level", "metric", "size"
 #define SEARCH "limit", "mode", "keep", "minimum", "scale", "order", DISTANCE, "not.subject", "explain", FILTER
 #define LABELS "label", "label.N.name", "label.N.class", "label.N.side"
+#define VOLUME LABELS, "weights", "name"
 
 static const char *const nothing[] = {NULL};
 static const char *const list[] = {FILTER, "limit", "cursor", NULL};
-static const char *const enroll[] = {
-	LABELS, "name", "class", "side", "subject", "age", "sex", "attr.KEY", "levels", NULL};
+static const char *const enroll[] = {VOLUME, "class", "side", "subject", "age", "sex", "attr.KEY", "levels", NULL};
 static const char *const signature[] = {"level", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
-static const char *const recognize_volume[] = {LABELS, "name", SEARCH, NULL};
+static const char *const recognize_volume[] = {VOLUME, SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
 static const char *const evaluation[] = {FILTER, DISTANCE, "leave_out", NULL};
-static const char *const check[] = {LABELS, "name", "mode", DISTANCE, "not.subject", FILTER, NULL};
+static const char *const check[] = {VOLUME, "mode", DISTANCE, "not.subject", FILTER, NULL};
 #define COLUMNS \
 	"columns", "columns.id", "columns.class", "columns.side", "columns.subject", "columns.sex", "columns.age_min", \
 		"columns.age_max", "columns.attr.KEY", "columns.q"

@@ -5,17 +5,9 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Below this many voxels the surface outweighs the inside: at 1000 (a cube of 10) half of them lie on the border, and
- * the signature follows the grid more than the object. */
-#define FEW_VOXELS 1000
-
-/* The volume's own and one for each kind that a label may add. */
-#define MOST_WARNINGS (4 + 4)
 
 /* ---------------------------------------------------------------------------------------------- labels */
 
@@ -150,56 +142,6 @@ void esk_specimens_clear(esk_specimens *specimens)
 
 /* ---------------------------------------------------------------------------------------------- analysis */
 
-static void warn(eskel_shape *shape, eskel_warning_code code, const char *format, ...)
-	__attribute__((format(printf, 3, 4)));
-
-static void warn(eskel_shape *shape, eskel_warning_code code, const char *format, ...)
-{
-	eskel_warning *warning = &shape->warnings[shape->warning_count++];
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(warning->text, sizeof warning->text, format, arguments);
-	va_end(arguments);
-	warning->code = code;
-}
-
-static void warn_of_border(eskel_shape *shape, unsigned border)
-{
-	static const char *const sides[] = {
-		"first low", "first high", "second low", "second high", "third low", "third high"};
-	char text[100] = "";
-	for (unsigned side = 0, used = 0; side < 6; side++)
-		if (border >> side & 1)
-			used += (unsigned)snprintf(
-				text + used, sizeof text - used, "%s%s", used ? ", " : "", sides[side]);
-	if (border)
-		warn(shape, ESKEL_WARNING_TOUCHES_BORDER,
-			"the object touches the border of the grid (%s index): it may be cut off", text);
-}
-
-static bool find_warnings(esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels)
-{
-	eskel_shape *shape = &specimen->shape;
-	const eskel_node *whole = eskel_skeleton_node(specimen->skeleton, 1, 0);
-	shape->warnings = calloc(MOST_WARNINGS, sizeof *shape->warnings);
-	if (!shape->warnings)
-		return false;
-	for (size_t i = 0; i < specimens->warning_count; i++)
-		shape->warnings[shape->warning_count++] = specimens->warnings[i];
-	warn_of_border(shape, specimen->border);
-	if (shape->voxels < FEW_VOXELS)
-		warn(shape, ESKEL_WARNING_FEW_VOXELS,
-			"the object has %" PRIu64 " voxels, fewer than %d: the signature follows the grid",
-			shape->voxels, FEW_VOXELS);
-	/* An oblique plane has eigenvalues of rounding errors in place of 0. */
-	if (whole->eigenvalues[2] <= 1e-12 * whole->eigenvalues[0])
-		warn(shape, ESKEL_WARNING_FLAT, "the object is flat: its smallest eigenvalue is 0, so it is no solid");
-	if (shape->levels < levels)
-		warn(shape, ESKEL_WARNING_FEWER_LEVELS, "the object has %" PRIu32 " levels, %" PRIu32 " were asked for",
-			shape->levels, levels);
-	return true;
-}
-
 /* Arrays have room for all specimens. */
 typedef struct {
 	size_t count;
@@ -234,7 +176,7 @@ static bool finish(esk_specimen *specimen, const esk_specimens *specimens, uint3
 	specimen->shape.levels = specimen->skeleton->level_count;
 	memcpy(specimen->shape.centre, eskel_skeleton_node(specimen->skeleton, 1, 0)->centre,
 		sizeof specimen->shape.centre);
-	return find_warnings(specimen, specimens, levels) || esk_problem_no_memory(problem);
+	return esk_specimen_warn(specimen, specimens, levels) || esk_problem_no_memory(problem);
 }
 
 static bool analyse(analysis *a, const esk_specimens *specimens, uint32_t levels, esk_problem *problem)

@@ -32,4 +32,8 @@ void esk_specimens_clear(esk_specimens *specimens);
  * (NULL: all), on all processors. What refuses is the first that fails. */
 bool esk_specimens_analyse(esk_specimens *specimens, const bool *wanted, uint32_t levels, esk_problem *problem);
 
+/* For esk_specimens_analyse: the warnings of the volume, and what the label itself gives reason for. False when memory ran
+ * out. */
+bool esk_specimen_warn(esk_specimen *specimen, const esk_specimens *specimens, uint32_t levels);
+
 #endif

@@ -16,6 +16,7 @@
 #include "number_text.h"
 #include "run_builder.h"
 #include "volume_format.h"
+#include "weight_builder.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -51,7 +52,8 @@ struct eskel_volume {
 	uint8_t broken[largest_voxel * ESK_LAYERS_MOST]; /* the first bytes of a voxel that the last piece broke off */
 	size_t broken_size;
 	esk_run_builder *builder;
-	esk_layers *layers; /* NULL: one, the builder's */
+	esk_layers *layers;          /* NULL: one, the builder's */
+	esk_weight_builder *weights; /* NULL: voxels are labels */
 	const esk_label_table *labels;
 };
 
@@ -81,6 +83,8 @@ eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume 
 		.most_labels = o->most_labels ? o->most_labels : default_most_labels,
 	};
 	eskel_status status = esk_run_builder_new(&limits, o->labels, o->label_count, &v->builder);
+	if (status == ESKEL_OK && o->weights)
+		status = esk_weight_builder_new(limits.most_runs, &v->weights);
 	if (status != ESKEL_OK) {
 		eskel_volume_free(v);
 		return status;
@@ -99,11 +103,14 @@ void eskel_volume_free(eskel_volume *volume)
 	esk_layers_free(volume->layers);
 	esk_segments_clear(&volume->header.segments);
 	esk_run_builder_free(volume->builder);
+	esk_weight_builder_free(volume->weights);
 	free(volume);
 }
 
 static eskel_status add_whole_voxels(eskel_volume *v, const uint8_t *voxels, size_t count, eskel_error *error)
 {
+	if (v->weights)
+		return esk_weight_builder_add(v->weights, voxels, count, error);
 	return v->layers ? esk_layers_add(v->layers, voxels, count, error)
 			 : esk_run_builder_add(v->builder, voxels, count, error);
 }
@@ -222,6 +229,11 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
 			"the grid has %llu voxels in %u layers, expected at most %llu in all",
 			(unsigned long long)voxels, v->header.layer_count, (unsigned long long)v->most_voxels);
+	if (v->weights && v->header.layer_count > 1)
+		return esk_error_set(error, ESKEL_UNSUPPORTED,
+			"the file has %u layers of segments, expected one weight a voxel", v->header.layer_count);
+	if (v->weights)
+		esk_weight_builder_set_grid(v->weights, &v->header.voxels, extent);
 	esk_run_builder_set_grid(v->builder, &v->header.voxels, extent);
 	if (v->header.layer_count > 1 && esk_layers_new(v->builder, &v->header.segments, v->header.layer_count,
 						 &v->header.voxels, extent, &v->layers) != ESKEL_OK)
@@ -314,12 +326,19 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 
 static eskel_status find_labels(eskel_volume *v, eskel_error *error)
 {
-	if (!v->layers)
+	eskel_status status = ESKEL_OK;
+	if (v->weights)
+		status = esk_weight_builder_finish(v->weights, &v->labels);
+	else if (v->layers)
+		status = esk_layers_finish(v->layers, &v->labels);
+	else
 		v->labels = esk_run_builder_finish(v->builder);
-	else if (esk_layers_finish(v->layers, &v->labels) != ESKEL_OK)
-		return esk_error_set(
-			error, ESKEL_NO_MEMORY, "memory ran out for %zu segments", v->header.segments.count);
-	return v->labels->count > 0 ? ESKEL_OK : esk_error_set(error, ESKEL_EMPTY, "no voxel has a wanted label");
+	if (status != ESKEL_OK)
+		return esk_error_set(error, status, "memory ran out for the runs of labels");
+	if (v->labels->count == 0)
+		return esk_error_set(error, ESKEL_EMPTY,
+			v->weights ? "no voxel has a weight above 0" : "no voxel has a wanted label");
+	return ESKEL_OK;
 }
 
 eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
@@ -383,5 +402,6 @@ eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel
 	const esk_label_runs *found = runs_of(volume, label);
 	if (!found)
 		return esk_error_set(error, ESKEL_NOT_FOUND, "no voxel has label %d", label);
-	return eskel_cloud_new(found->runs, NULL, found->count, &volume->header.info.affine, cloud, error);
+	const uint32_t *weights = volume->weights ? esk_weight_builder_weights(volume->weights) : NULL;
+	return eskel_cloud_new(found->runs, weights, found->count, &volume->header.info.affine, cloud, error);
 }

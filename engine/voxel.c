@@ -17,14 +17,18 @@ static double stored_value(const esk_voxel_format *f, const uint8_t *stored)
 	return esk_byte_order_float(stored, f->size, f->big_endian);
 }
 
+double esk_voxel_value(const esk_voxel_format *format, const uint8_t *stored)
+{
+	const double value = stored_value(format, stored);
+	return format->slope != 0 ? format->slope * value + format->intercept : value;
+}
+
 bool esk_voxel_label(const esk_voxel_format *format, const uint8_t *stored, int32_t *label, double *value)
 {
 	/* A slope such as 1/255 is stored as a float, off by up to 6e-8 of itself: labels up to 16000 come out well
 	 * within this of an integer, and probabilities or intensities in physical units do not. */
 	static const double slope_tolerance = 1e-3;
-	double v = stored_value(format, stored);
-	if (format->slope != 0)
-		v = format->slope * v + format->intercept;
+	const double v = esk_voxel_value(format, stored);
 	*value = v;
 	if (!(fabs(v) < 2147483648.0))
 		return false;

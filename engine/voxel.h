@@ -13,6 +13,8 @@ typedef struct {
 	double slope, intercept; /* value = slope * stored + intercept; slope 0: value = stored */
 } esk_voxel_format;
 
+double esk_voxel_value(const esk_voxel_format *format, const uint8_t *stored);
+
 /* False when the value, returned in *value, is not an integer of magnitude below 2^31. */
 bool esk_voxel_label(const esk_voxel_format *format, const uint8_t *stored, int32_t *label, double *value);
 

@@ -75,7 +75,11 @@ ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
 	X(ESKEL_WARNING_SFORM_QFORM_DISAGREE, "sform_qform_disagree") \
 	X(ESKEL_WARNING_NO_ORIENTATION, "no_orientation") \
 	X(ESKEL_WARNING_UNIT_ASSUMED, "unit_assumed") \
+	X(ESKEL_WARNING_ANISOTROPIC, "anisotropic") \
+	X(ESKEL_WARNING_NOT_ORTHOGONAL, "not_orthogonal") \
 	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
+	X(ESKEL_WARNING_FRAGMENTED, "fragmented") \
+	X(ESKEL_WARNING_HOLES, "holes") \
 	X(ESKEL_WARNING_FEW_VOXELS, "few_voxels") \
 	X(ESKEL_WARNING_FLAT, "flat") \
 	X(ESKEL_WARNING_FEWER_LEVELS, "fewer_levels")
@@ -149,9 +153,9 @@ ESKEL_API void eskel_components_free(eskel_components *components);
 /* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and
  * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files, NRRD
  * files with their voxels attached (raw, gzip, bzip2 or text; 3D Slicer segmentations among them) and MetaImage files with
- * theirs (.mha, compressed or not); either endianness, gzipped or not. Overlapping segments of 3D Slicer (at most 256 layers) are labelled by their label values,
- * or, where two have the same, by their numbers from 1 on; voxels of a layer that no segment describes are left out. Nothing
- * is ever opened: a header that names another file is refused. */
+ * theirs (.mha, compressed or not); either endianness, gzipped or not. Overlapping segments of 3D Slicer (at most 256 layers)
+ * are labelled by their label values, or, where two have the same, by their numbers from 1 on; voxels of a layer that no
+ * segment describes are left out. Nothing is ever opened: a header that names another file is refused. */
 typedef struct eskel_volume eskel_volume;
 
 typedef struct {
@@ -160,6 +164,9 @@ typedef struct {
 	uint32_t most_labels;          /* default 4096 */
 	const int32_t *labels;         /* keep only these (non-zero, any order); default all non-zero labels */
 	size_t label_count;
+	/* Voxels are no labels but say how much of one object, label 1, they hold: probabilities, partial volumes (section
+	 * 2.1). Finite, not negative; kept to 1/4080 of the largest, and what rounds to 0 is not in the object. */
+	bool weights;
 } eskel_volume_options;
 
 ESKEL_API eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume **volume);

@@ -39,7 +39,10 @@ struct esk_option {
 static const esk_option options[] = {
 	{"labels", "TABLE", ENROLL | RECOGNIZE | CHECK, NULL,
 		"names for the labels: CSV (label, name, class, side), BIDS, ITK-SNAP, FreeSurfer or 3D Slicer"},
-	{"label", "N", ENROLL | RECOGNIZE | SKELETON | CHECK, "label", "this label of the volume only; may be repeated"},
+	{"label", "N", ENROLL | RECOGNIZE | SKELETON | CHECK, "label",
+		"this label of the volume only; may be repeated"},
+	{"weights", NULL, ENROLL | RECOGNIZE | SKELETON | CHECK, "weights=true",
+		"voxels say how much of one object they hold: probabilities, partial volumes"},
 	{"name", "NAME", ENROLL | RECOGNIZE | CHECK, "name", "what it is called"},
 	{"class", "CLASS", ENROLL, "class", "what kind of thing it is, such as femur"},
 	{"side", "SIDE", ENROLL, "side", "left, right or none"},

@@ -58,7 +58,9 @@ esk_outcome esk_volume_file_read(const char *path, const esk_arguments *argument
 		outcome = read_labels(arguments, labels, &count);
 	if (!outcome && !(file = fopen(path, "re")))
 		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
-	const eskel_volume_options options = {.labels = count > 0 ? labels : NULL, .label_count = count};
+	const eskel_volume_options options = {.labels = count > 0 ? labels : NULL,
+		.label_count = count,
+		.weights = esk_arguments_value(arguments, "weights")};
 	if (!outcome && eskel_volume_new(&options, &made))
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	if (!outcome)
