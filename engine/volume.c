@@ -44,6 +44,7 @@ struct eskel_volume {
 
 	uint8_t *header_bytes;
 	size_t header_size, header_capacity, header_needed;
+	size_t reader; /* of header_readers: those before it have said that the header is not theirs */
 	esk_volume_header header;
 
 	esk_decompressor *voxels; /* NULL: the voxels are not compressed behind the header */
@@ -207,8 +208,11 @@ static eskel_status read_header(eskel_volume *v, eskel_error *error)
 {
 	const uint8_t *bytes = v->header_bytes;
 	eskel_status status = ESKEL_NOT_VOLUME;
-	for (size_t i = 0; i < sizeof header_readers / sizeof header_readers[0] && status == ESKEL_NOT_VOLUME; i++)
+	for (size_t i = v->reader; i < sizeof header_readers / sizeof *header_readers && status == ESKEL_NOT_VOLUME;
+		i++) {
 		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
+		v->reader = i;
+	}
 	if (status == ESKEL_NOT_VOLUME)
 		return esk_error_set(error, status,
 			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2, "
