@@ -27,6 +27,10 @@ static const uint64_t default_most_voxels = (uint64_t)1 << 33;
 static const size_t default_most_runs = (size_t)1 << 27;
 static const uint32_t default_most_labels = 4096;
 
+/* What a few kilobytes can unfold to is decoded in seconds, whatever it is: inflating runs at gigabytes a second, but
+ * bzip2 and text do not. */
+static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30, most_text_bytes = (uint64_t)1 << 28;
+
 enum { shortest_header = 4, largest_voxel = 8 };
 
 static esk_header_reader *const header_readers[] = {
@@ -49,6 +53,7 @@ struct eskel_volume {
 
 	esk_decompressor *voxels; /* NULL: the voxels are not compressed behind the header */
 	esk_number_text text;
+	uint64_t text_bytes;
 	uint64_t bytes_left; /* of the present phase: before the voxels, of the voxels as they are decoded */
 	uint8_t broken[largest_voxel * ESK_LAYERS_MOST]; /* the first bytes of a voxel that the last piece broke off */
 	size_t broken_size;
@@ -162,7 +167,7 @@ static eskel_status begin_decompression(
 	return ESKEL_OK;
 }
 
-static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+static eskel_status take_numbers(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	enum { most_numbers = 512 };
 	double numbers[most_numbers];
@@ -175,6 +180,19 @@ static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size
 			return status;
 	} while (read == ESKEL_OK && count == most_numbers);
 	return read;
+}
+
+static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	const uint64_t left = most_text_bytes - v->text_bytes;
+	const size_t taken = left < size ? (size_t)left : size;
+	eskel_status status = take_numbers(v, bytes, taken, error);
+	v->text_bytes += taken;
+	if (status == ESKEL_OK && taken < size)
+		status = esk_error_set(error, ESKEL_TOO_LARGE,
+			"the voxels take more than %llu bytes of text, expected another encoding for so many",
+			(unsigned long long)most_text_bytes);
+	return status;
 }
 
 static eskel_status begin_voxels(eskel_volume *v, eskel_error *error)
@@ -233,6 +251,11 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
 			"the grid has %llu voxels in %u layers, expected at most %llu in all",
 			(unsigned long long)voxels, v->header.layer_count, (unsigned long long)v->most_voxels);
+	const uint64_t bytes = voxels * size_of_voxel(v);
+	if (v->header.compressed && v->header.compression == ESK_COMPRESSION_BZIP2 && bytes > most_bzip2_bytes)
+		return esk_error_set(error, ESKEL_TOO_LARGE,
+			"the voxels take %llu bytes, expected at most %llu in bzip2 and another encoding for more",
+			(unsigned long long)bytes, (unsigned long long)most_bzip2_bytes);
 	if (v->weights && v->header.layer_count > 1)
 		return esk_error_set(error, ESKEL_UNSUPPORTED,
 			"the file has %u layers of segments, expected one weight a voxel", v->header.layer_count);

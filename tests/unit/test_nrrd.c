@@ -196,6 +196,27 @@ static void a_gzipped_file_may_have_gzipped_voxels(void **state)
 	free(gzip);
 }
 
+static void text_without_end_is_refused(void **state)
+{
+	(void)state;
+	enum { piece_size = 1 << 20, pieces = 256 };
+	static const char header[] = "NRRD0004\ntype: uint8\n" RAS_GRID "encoding: text\n\n";
+	eskel_volume *volume;
+	eskel_error error = {0};
+	char *blanks = malloc(piece_size);
+	assert_non_null(blanks);
+	memset(blanks, ' ', piece_size);
+	assert_int_equal(eskel_volume_new(NULL, &volume), ESKEL_OK);
+	assert_int_equal(eskel_volume_feed(volume, header, sizeof header - 1, &error), ESKEL_OK);
+	for (int i = 0; i < pieces; i++)
+		assert_int_equal(eskel_volume_feed(volume, blanks, piece_size, &error), ESKEL_OK);
+	assert_int_equal(eskel_volume_feed(volume, blanks, 1, &error), ESKEL_TOO_LARGE);
+	assert_string_equal(
+		error.text, "the voxels take more than 268435456 bytes of text, expected another encoding for so many");
+	eskel_volume_free(volume);
+	free(blanks);
+}
+
 static void lines_may_end_in_crlf_and_fields_in_any_order_and_case(void **state)
 {
 	(void)state;
@@ -463,6 +484,7 @@ int main(void)
 		cmocka_unit_test(every_type_and_byte_order_gives_the_same_labels),
 		cmocka_unit_test(every_encoding_gives_the_same_labels),
 		cmocka_unit_test(a_gzipped_file_may_have_gzipped_voxels),
+		cmocka_unit_test(text_without_end_is_refused),
 		cmocka_unit_test(lines_may_end_in_crlf_and_fields_in_any_order_and_case),
 		cmocka_unit_test(a_cut_file_is_truncated_wherever_it_is_cut),
 		cmocka_unit_test(spaces_turn_to_ras),
