@@ -1,4 +1,4 @@
-/* ln, exp, the cube root and rounding to float from IEEE basic operations alone, in a fixed order.
+/* ln, exp, sine and cosine, the cube root and rounding to float from IEEE basic operations alone, in a fixed order.
  *
  * The C library's own differ in the last bit between versions and, because they choose fused multiply-add at run time,
  * between processors. Features must be the same bits everywhere, and these loops vectorise. */
@@ -92,6 +92,38 @@ static inline double esk_elementary_cbrt(double x)
 	root -= (root - x / (root * root)) / 3;
 	root -= (root - x / (root * root)) / 3;
 	return root;
+}
+
+/* |x| < 1e5. Absolute error below 1e-15 |x| + 1e-15. */
+static inline void esk_elementary_sine_cosine(double x, double *sine, double *cosine)
+{
+	/* x = n pi / 2 + r, |r| <= pi / 4; rounding as above, pi / 2 in two parts. */
+	const double round = 0x1.8p52;
+	double shifted = x * 0.63661977236758134 + round, n = shifted - round;
+	double r = (x - n * 0x1.921fb544p0) - n * 0x1.0b4611a626331p-34, t = r * r;
+	/* Taylor; the first terms left out are r^17 / 17! < 5e-17 and r^18 / 18! < 3e-18. */
+	double s = -1.0 / 1307674368000;
+	s = s * t + 1.0 / 6227020800;
+	s = s * t - 1.0 / 39916800;
+	s = s * t + 1.0 / 362880;
+	s = s * t - 1.0 / 5040;
+	s = s * t + 1.0 / 120;
+	s = s * t - 1.0 / 6;
+	s = r + r * t * s;
+	double c = 1.0 / 20922789888000;
+	c = c * t - 1.0 / 87178291200;
+	c = c * t + 1.0 / 479001600;
+	c = c * t - 1.0 / 3628800;
+	c = c * t + 1.0 / 40320;
+	c = c * t - 1.0 / 720;
+	c = c * t + 1.0 / 24;
+	c = 1 + t * (c * t - 0.5);
+	/* A quarter turn takes (s, c) to (c, -s); n is in the last bits of shifted. */
+	uint64_t turns;
+	memcpy(&turns, &shifted, sizeof turns);
+	double first = turns & 1 ? c : s, second = turns & 1 ? -s : c;
+	*sine = turns & 2 ? -first : first;
+	*cosine = turns & 2 ? -second : second;
 }
 
 /* Through memory: when gcc 12 joins two neighbours in a vector it drops a conversion to float and back, at -O2 already. */

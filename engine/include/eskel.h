@@ -596,4 +596,126 @@ typedef struct {
 ESKEL_API void eskel_superposition_find(const eskel_skeleton *a, const eskel_skeleton *b,
 	eskel_superposition *proper, eskel_superposition *improper);
 
+/* ---------------------------------------------------------------------------------------------- surface */
+
+/* A surface (section 3) is the zero set of a potential d, without unit, negative inside. Each class of a level has a
+ * primitive with a potential d_i of its own, and these are composed:
+ *   blend  d = -ln sum_i exp(-alpha_i d_i)   Blinn's; smooth
+ *   union  d = min_i d_i
+ *
+ * A primitive is a superquadric in a frame of its own, deformed. From a point p to its potential, with z along the class's
+ * longest axis and everything in units of the radius c along it:
+ *   1. moved    q = axes (p - centre) / c
+ *   2. bent     x -= bx(q_z), y -= by(q_z); then (x, y) turned by -twist(q_z)
+ *   3. scaled   x *= c/a e^(-tx(q_z)), y *= c/b e^(-ty(q_z))
+ *   4. warped   y *= e^(-skew x), z -= cup(x, y), z *= e^(-wedge(x, y)), with x and y as they were before this step
+ *   5. measured d = N(N(x^2, y^2; e1), z^2; e2) - 1, N(u, v; e) = (u^(1/e) + v^(1/e))^e
+ * Steps 2 to 4 change some coordinates by amounts that depend on the others alone, so each is undone exactly whatever its
+ * parameters. These are Barr's taper, twist and bend, and polynomials of higher degree in their place; the 21 modes with
+ * 3 of translation, 3 of rotation and 3 radii are the 30 parameters of section 3.5. Coordinates that modes depend on
+ * count as +-4 beyond +-4.
+ *
+ * Where the paper slips, and where we differ:
+ * - The ellipsoid of section 3.3 is d = (p - G) Q (p - G)^T - 1 with Q = M^-1 / gamma^2: the printed D has lambda^(-1/2) for
+ *   1 / lambda, and the world form lacks the -1. gamma = 2 is right for a blend and sqrt 5 for a union or a single class.
+ * - The superquadric of section 3.4 needs |x|, |y|, |z|. Its (e1, e2) are Barr's (e2, e1): here as in the paper, e1
+ *   shapes the section across z and e2 the profile along it; 1 is round, near 0 a box, 2 a pyramid.
+ * - Its S grows with the power 2 / e2 of the distance from the centre, ours with its square: d = (S + 1)^e2 - 1. The
+ *   surface and the sign are the same, an ellipsoid's d as well, and alpha means the same for any exponents. Creases are
+ *   rounded, x^2 is x^2 + 2^-24 where e1 or e2 is not 1, so that all derivatives are finite.
+ * - d is no length. The distance |d| / |grad d| of section 3.7 is in mm and of the first order.
+ * - An even degree does not bound an algebraic surface (section 3.8): eskel_surface_set_algebraic.
+ *
+ * Lambda below h^2 / 12, the variance of one voxel of side h = (volume / voxels)^(1/3), counts as that: planes, lines and
+ * single voxels get the thickness of a voxel. */
+typedef enum {
+	ESKEL_PRIMITIVE_ELLIPSOID,
+	ESKEL_PRIMITIVE_SUPERQUADRIC,   /* with exponents */
+	ESKEL_PRIMITIVE_DEFORMED,       /* with exponents and modes */
+	ESKEL_PRIMITIVE_ALGEBRAIC
+} eskel_primitive_kind;
+
+typedef enum { ESKEL_COMPOSE_BLEND, ESKEL_COMPOSE_UNION } eskel_compose;
+
+/* Z is q_z; x and y are those of step 4. */
+typedef enum {
+	ESKEL_MODE_TAPER_X, ESKEL_MODE_TAPER_Y,         /* tx, ty: Z */
+	ESKEL_MODE_BEND_X, ESKEL_MODE_BEND_Y,           /* bx, by: Z^2 */
+	ESKEL_MODE_TWIST,                               /* Z, in radians */
+	ESKEL_MODE_BULGE_X, ESKEL_MODE_BULGE_Y,         /* tx, ty: Z^2 */
+	ESKEL_MODE_TAPER3_X, ESKEL_MODE_TAPER3_Y,       /* tx, ty: Z^3 */
+	ESKEL_MODE_BEND3_X, ESKEL_MODE_BEND3_Y,         /* bx, by: Z^3 */
+	ESKEL_MODE_BEND4_X, ESKEL_MODE_BEND4_Y,         /* bx, by: Z^4 */
+	ESKEL_MODE_TWIST2, ESKEL_MODE_TWIST3,           /* Z^2, Z^3 */
+	ESKEL_MODE_CUP_XX, ESKEL_MODE_CUP_XY, ESKEL_MODE_CUP_YY, /* cup: x^2, x y, y^2 */
+	ESKEL_MODE_WEDGE_X, ESKEL_MODE_WEDGE_Y,         /* wedge: x, y */
+	ESKEL_MODE_SKEW,                                /* skew: x */
+	ESKEL_MODE_COUNT
+} eskel_mode;
+
+/* Ranges in which everything stays finite, for points within 1e7 mm of the centre. */
+#define ESKEL_MODE_MAX 2.0          /* of |mode| */
+#define ESKEL_EXPONENT_MIN 0.1
+#define ESKEL_EXPONENT_MAX 1.9
+#define ESKEL_RADIUS_MIN 1e-3       /* mm */
+#define ESKEL_RADIUS_MAX 1e6
+#define ESKEL_ALPHA_MIN 1e-3
+#define ESKEL_ALPHA_MAX 1e3
+
+typedef struct {
+	eskel_primitive_kind kind;
+	double centre[3];                   /* mm */
+	double axes[3][3];                  /* rows: the unit x, y, z of the frame; right-handed */
+	double radii[3];                    /* mm: a, b, c */
+	double exponents[2];                /* e1, e2 */
+	double modes[ESKEL_MODE_COUNT];
+	double alpha;
+} eskel_primitive;
+
+typedef struct {
+	eskel_primitive_kind primitive;     /* what a fit may change; all start as ellipsoids. ALGEBRAIC: see below */
+	eskel_compose compose;
+	double gamma;                       /* radii in standard deviations; default 2, of a union or a single class sqrt 5 */
+	double alpha;                       /* of all classes; default 1 */
+} eskel_surface_options;
+
+typedef struct eskel_surface eskel_surface;
+
+/* The surface of a level before any fit: the best ellipsoid of each class. ESKEL_INVALID unless the skeleton has the level
+ * and gamma and alpha are in range. */
+ESKEL_API eskel_status eskel_surface_new(const eskel_skeleton *skeleton, uint32_t level,
+	const eskel_surface_options *options, eskel_surface **surface);
+/* From primitives, none algebraic. ESKEL_INVALID when a number is out of its range or count is not 1 to ESKEL_LEVELS_MAX. */
+ESKEL_API eskel_status eskel_surface_compose(const eskel_primitive *primitives, uint32_t count, eskel_compose compose,
+	eskel_surface **surface);
+ESKEL_API void eskel_surface_free(eskel_surface *surface);
+
+ESKEL_API uint32_t eskel_surface_count(const eskel_surface *surface);
+ESKEL_API eskel_compose eskel_surface_composition(const eskel_surface *surface);
+/* Of class class_index < count; NULL otherwise. */
+ESKEL_API const eskel_primitive *eskel_surface_primitive(const eskel_surface *surface, uint32_t class_index);
+
+/* Replaces the primitive of a class by an algebraic surface of degree 2, 4 or 6 (section 3.8) through boundary points of the
+ * class, by least squares; its frame and alpha stay, its radii scale it. It is bounded: where the points alone do not make it
+ * so, it is drawn to the ellipsoid as much as needed (algebraic.h). ESKEL_INVALID for another degree, a class that
+ * there is not, no point, or a point that is not finite. */
+ESKEL_API eskel_status eskel_surface_set_algebraic(eskel_surface *surface, uint32_t class_index, unsigned degree,
+	const double (*points)[3], size_t count);
+
+/* The potential at a point. */
+ESKEL_API double eskel_surface_value(const eskel_surface *surface, const double point[3]);
+ESKEL_API void eskel_surface_values(const eskel_surface *surface, size_t count, const double (*points)[3], double *values);
+/* The potential, and its gradient in 1/mm. A union's is that of the class that comes first among the least. */
+ESKEL_API double eskel_surface_gradient(const eskel_surface *surface, const double point[3], double gradient[3]);
+/* d / |grad d| in mm, negative inside, and the unit normal, outwards (0 where there is none). Good to a few percent within a
+ * tenth of a radius of the surface. Never more, either way, than the larger of the greatest radius and the distance to the
+ * nearest centre. normal may be NULL. */
+ESKEL_API double eskel_surface_distance(const eskel_surface *surface, const double point[3], double normal[3]);
+/* Exact: d < 0. */
+ESKEL_API bool eskel_surface_contains(const eskel_surface *surface, const double point[3]);
+
+ESKEL_API eskel_status eskel_surface_encode(const eskel_surface *surface, uint8_t **bytes, size_t *size);
+ESKEL_API eskel_status eskel_surface_decode(const uint8_t *bytes, size_t size, eskel_surface **surface,
+	eskel_error *error);
+
 #endif
