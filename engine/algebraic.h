@@ -5,7 +5,7 @@
 #define ESK_ALGEBRAIC_H
 
 #include "eskel.h"
-#include "jet.h"
+#include "lanes.h"
 
 /* Monomials x^i y^j z^k with i + j + k <= 6. */
 enum { ESK_ALGEBRAIC_DEGREE_MAX = 6, ESK_ALGEBRAIC_TERMS_MAX = 84 };
@@ -20,7 +20,8 @@ typedef struct {
 
 size_t esk_algebraic_term_count(unsigned degree);
 
-double esk_algebraic_gradient(const esk_algebraic *algebraic, const double point[3], double gradient[3]);
+/* At eight points, point[axis][lane]. */
+void esk_algebraic_values(const esk_algebraic *algebraic, const esk_lanes point[3], esk_lanes values);
 void esk_algebraic_gradients(
 	const esk_algebraic *algebraic, const esk_lanes point[3], esk_lanes values, esk_lanes gradients[3]);
 

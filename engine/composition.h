@@ -37,10 +37,9 @@ double esk_composition_gradient(const esk_composition *composition, const double
 void esk_composition_gradients(const esk_composition *composition, size_t count, const double (*points)[3],
 	double *values, double (*gradients)[3]);
 
-/* A blend at eight points, point[axis][lane]: its values and gradients, and for each class i the derivatives by its first
- * count parameters, of the blend, in derivatives[i].value_by and gradient_by (value and gradient stay those of the class).
- * A class whose weight is below least_weight at all eight points is not derived by: is_near[i] is false and only the value and
- * gradient are written. No algebraic parts. */
+/* At eight points, point[axis][lane]: the values and gradients of the composition, and in derivatives[i].value_by and
+ * gradient_by its derivatives by the first count parameters of class i (value and gradient there are those of the class). A
+ * class whose weight is below least_weight at all eight points is not derived by: is_near[i] is false. No algebraic parts. */
 void esk_composition_derive(const esk_composition *composition, const esk_lanes point[3], size_t count,
 	double least_weight, esk_lanes values, esk_lanes gradients[3], bool *is_near, esk_derivatives *derivatives);
 

@@ -127,28 +127,6 @@ ESK_IN_LANES double gradient_of(
 		break; \
 	}
 
-double esk_form_value(const esk_form *form, const double point[3])
-{
-	double value = 0;
-#define VALUE(steps, superquadric) value = value_of(form, point[0], point[1], point[2], steps, superquadric)
-	EACH_WAY(form, VALUE)
-#undef VALUE
-	return value;
-}
-
-double esk_form_gradient(const esk_form *form, const double point[3], double gradient[3])
-{
-	esk_vector g = {0};
-	double value = 0;
-#define GRADIENT(steps, superquadric) value = gradient_of(form, point[0], point[1], point[2], steps, superquadric, &g)
-	EACH_WAY(form, GRADIENT)
-#undef GRADIENT
-	gradient[0] = g.x;
-	gradient[1] = g.y;
-	gradient[2] = g.z;
-	return value;
-}
-
 ESK_EVERY_WIDTH void esk_form_values(const esk_form *form, const esk_lanes point[3], esk_lanes values){
 #define VALUES(steps, superquadric) \
 	ESK_EACH_LANE (l) \

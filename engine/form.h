@@ -1,5 +1,4 @@
-/* A primitive made ready for evaluation: its potential, gradient, and the derivatives of both by its parameters, for eight points
- * at once or for one, the same bit for bit. */
+/* A primitive made ready for evaluation: its potential, gradient, and the derivatives of both by its parameters. */
 #ifndef ESK_FORM_H
 #define ESK_FORM_H
 
@@ -32,9 +31,7 @@ void esk_form_make(const eskel_primitive *primitive, esk_form *form);
 /* From the unit superquadric (a point before step 5 of eskel.h) to world mm. */
 void esk_form_place(const esk_form *form, const double unit[3], double world[3]);
 
-double esk_form_value(const esk_form *form, const double point[3]);
-double esk_form_gradient(const esk_form *form, const double point[3], double gradient[3]);
-/* Eight points, point[axis][lane]; the same bits as one by one. */
+/* At eight points, point[axis][lane]. Lanes do not mix: a point has the same bits in any of them. */
 void esk_form_values(const esk_form *form, const esk_lanes point[3], esk_lanes values);
 void esk_form_gradients(const esk_form *form, const esk_lanes point[3], esk_lanes values, esk_lanes gradients[3]);
 /* The derivatives by the first count parameters (ESK_PARAMETERS_...); those by alpha are 0. With the exponents asked for all
