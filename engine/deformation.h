@@ -51,9 +51,7 @@ typedef struct {
 
 ESK_IN_LANES esk_power esk_power_of(esk_reached t, int n)
 {
-	double below = 1;
-	for (int i = 1; i < n; i++)
-		below *= t.at;
+	const double squared = t.at * t.at, below = n == 4 ? squared * t.at : n == 3 ? squared : n == 2 ? t.at : 1;
 	return (esk_power){below * t.at, n * below * t.moves};
 }
 

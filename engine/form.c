@@ -280,42 +280,43 @@ ESK_IN_LANES void put_exponents(const esk_form *form, const chain *c, esk_steps 
 	put(form, before_scaling(c, profile), out, ESK_EXPONENTS + 1, l);
 }
 
-ESK_IN_LANES void derive(const esk_form *form, const esk_lanes point[3], esk_steps steps, bool superquadric,
-	bool further, esk_derivatives *out)
+ESK_IN_LANES void derive_lane(const esk_form *form, const esk_lanes point[3], esk_steps steps, bool superquadric,
+	bool further, esk_derivatives *out, int l)
 {
-	ESK_EACH_LANE (l) {
-		const chain c = follow(form, point[0][l], point[1][l], point[2][l], steps);
-		const jets j = pull(form, &c, steps, superquadric);
-		const esk_vector g = to_world(form, j.frame.gradient);
-		out->value[l] = j.unit.value;
-		out->gradient[0][l] = g.x;
-		out->gradient[1][l] = g.y;
-		out->gradient[2][l] = g.z;
-		put_motion(form, &c, &j.frame, out, l);
-		put_radii(form, &c, &j, out, l);
-		put_bending(form, &c, &j.bent, further, out, l);
-		put_scaling(form, &c, &j.scaled, further, out, l);
-		put(form, (esk_tangent){0}, out, ESK_ALPHA, l);
-		if (superquadric)
-			put_exponents(form, &c, steps, out, l);
-		if (further)
-			put_warping(form, &c, &j.unit, out, l);
-	}
+	const chain c = follow(form, point[0][l], point[1][l], point[2][l], steps);
+	const jets j = pull(form, &c, steps, superquadric);
+	const esk_vector g = to_world(form, j.frame.gradient);
+	out->value[l] = j.unit.value;
+	out->gradient[0][l] = g.x;
+	out->gradient[1][l] = g.y;
+	out->gradient[2][l] = g.z;
+	put_motion(form, &c, &j.frame, out, l);
+	put_radii(form, &c, &j, out, l);
+	put_bending(form, &c, &j.bent, further, out, l);
+	put_scaling(form, &c, &j.scaled, further, out, l);
+	put(form, (esk_tangent){0}, out, ESK_ALPHA, l);
+	if (superquadric)
+		put_exponents(form, &c, steps, out, l);
+	if (further)
+		put_warping(form, &c, &j.unit, out, l);
 }
 
 ESK_EVERY_WIDTH static void derive_smooth(const esk_form *form, const esk_lanes point[3], esk_derivatives *out)
 {
-	derive(form, point, ESK_BENT, false, false, out);
+	ESK_EACH_LANE (l)
+		derive_lane(form, point, ESK_BENT, false, false, out, l);
 }
 
 ESK_EVERY_WIDTH static void derive_usual(const esk_form *form, const esk_lanes point[3], esk_derivatives *out)
 {
-	derive(form, point, ESK_BENT, true, false, out);
+	ESK_EACH_LANE (l)
+		derive_lane(form, point, ESK_BENT, true, false, out, l);
 }
 
 ESK_EVERY_WIDTH static void derive_all(const esk_form *form, const esk_lanes point[3], esk_derivatives *out)
 {
-	derive(form, point, ESK_WARPED, true, true, out);
+	ESK_EACH_LANE (l)
+		derive_lane(form, point, ESK_WARPED, true, true, out, l);
 }
 
 void esk_form_derive(const esk_form *form, const esk_lanes point[3], size_t count, esk_derivatives *derivatives)
