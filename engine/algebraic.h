@@ -1,6 +1,16 @@
 /* Implicit surface of even degree through boundary points, by least squares (section 3.8).
  *
- * In the class's frame, in units of its radii, the potential is a polynomial P of degree D = 2, 4 or 6, negative inside. */
+ * In the class's frame, in units of its radii (so that its ellipsoid is the unit sphere), the potential is a polynomial P of
+ * degree D = 2, 4 or 6 with P(0) = -1: the paper's F with the other sign, negative inside.
+ *
+ * An even degree does not make the surface bounded, as the paper has it: the leading form may well be negative in some
+ * direction, and mostly is when only boundary points are fitted. So P is fitted to r^D - 1 as well, the ellipsoid's
+ * potential of that degree, at points well inside and outside; the weight of these is the least in a fixed sequence at which P
+ * is proven positive outside of the cube |x|, |y|, |z| <= ESK_ALGEBRAIC_BOX, and the centre inside.
+ *
+ * The paper prefers the Bernstein basis for the sake of affine invariance. Least squares of values have the same solution in
+ * every basis, and in the class's own frame it does not change with the world's axes; what the Bernstein basis is needed
+ * for is the proof. */
 #ifndef ESK_ALGEBRAIC_H
 #define ESK_ALGEBRAIC_H
 
@@ -9,6 +19,8 @@
 
 /* Monomials x^i y^j z^k with i + j + k <= 6. */
 enum { ESK_ALGEBRAIC_DEGREE_MAX = 6, ESK_ALGEBRAIC_TERMS_MAX = 84 };
+
+#define ESK_ALGEBRAIC_BOX 3.0
 
 typedef struct {
 	unsigned degree;
@@ -19,6 +31,14 @@ typedef struct {
 } esk_algebraic;
 
 size_t esk_algebraic_term_count(unsigned degree);
+
+/* The frame of a primitive. */
+void esk_algebraic_place(const eskel_primitive *primitive, esk_algebraic *algebraic);
+/* In the frame of a primitive. ESKEL_INVALID as eskel_surface_set_algebraic. */
+eskel_status esk_algebraic_fit(const eskel_primitive *primitive, unsigned degree, const double (*points)[3],
+	size_t count, esk_algebraic *algebraic);
+/* Is it proven that the centre is inside, and that nothing outside of the box is? */
+bool esk_algebraic_is_bounded(const esk_algebraic *algebraic);
 
 /* At eight points, point[axis][lane]. */
 void esk_algebraic_values(const esk_algebraic *algebraic, const esk_lanes point[3], esk_lanes values);

@@ -43,9 +43,28 @@ static bool is_frame(const double axes[3][3])
 	return good && dot(third, axes[2]) > 0;
 }
 
+/* A kind has nothing that it is not encoded with. */
+static bool is_of_its_kind(const eskel_primitive *primitive)
+{
+	const bool round = primitive->exponents[0] == 1 && primitive->exponents[1] == 1;
+	bool straight = true;
+	for (int i = 0; i < ESKEL_MODE_COUNT; i++)
+		straight = straight && primitive->modes[i] == 0;
+	switch (primitive->kind) {
+	case ESKEL_PRIMITIVE_ELLIPSOID:
+	case ESKEL_PRIMITIVE_ALGEBRAIC:
+		return round && straight;
+	case ESKEL_PRIMITIVE_SUPERQUADRIC:
+		return straight;
+	case ESKEL_PRIMITIVE_DEFORMED:
+		return true;
+	}
+	return false;
+}
+
 bool esk_primitive_is_valid(const eskel_primitive *primitive)
 {
-	bool good = primitive->kind <= ESKEL_PRIMITIVE_ALGEBRAIC && is_frame(primitive->axes) &&
+	bool good = is_of_its_kind(primitive) && is_frame(primitive->axes) &&
 		    is_within(primitive->alpha, ESKEL_ALPHA_MIN, ESKEL_ALPHA_MAX);
 	for (int i = 0; i < 3; i++)
 		good = good && isfinite(primitive->centre[i]) &&

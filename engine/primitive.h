@@ -31,7 +31,8 @@ enum {
 
 /* The best ellipsoid of a class, z along its longest axis, alpha 1. Eigenvalues count as least_variance at least. */
 void esk_primitive_from_node(const eskel_node *node, double gamma, double least_variance, eskel_primitive *primitive);
-/* All numbers are in the ranges of eskel.h, and the axes a right-handed frame but for 1e-9. */
+/* All numbers are in the ranges of eskel.h, the axes a right-handed frame but for 1e-9; only superquadrics and deformed
+ * ones have exponents, only these modes. */
 bool esk_primitive_is_valid(const eskel_primitive *primitive);
 /* Changes the first count parameters by step. to may be from. Not checked: the modes, exponents and alpha that a step leads
  * to must be in range, so must the radii. */

@@ -696,9 +696,9 @@ ESKEL_API eskel_compose eskel_surface_composition(const eskel_surface *surface);
 ESKEL_API const eskel_primitive *eskel_surface_primitive(const eskel_surface *surface, uint32_t class_index);
 
 /* Replaces the primitive of a class by an algebraic surface of degree 2, 4 or 6 (section 3.8) through boundary points of the
- * class, by least squares; its frame and alpha stay, its radii scale it. It is bounded: where the points alone do not make it
- * so, it is drawn to the ellipsoid as much as needed (algebraic.h). ESKEL_INVALID for another degree, a class that
- * there is not, no point, or a point that is not finite. */
+ * class, by least squares, in the class's frame; alpha stays. It is bounded: where the points alone do not make it so, it is
+ * drawn to the ellipsoid as much as needed, and proven to lie within three radii along each axis (algebraic.h).
+ * ESKEL_INVALID for another degree, a class that there is not, no point, or a point that is not finite. */
 ESKEL_API eskel_status eskel_surface_set_algebraic(eskel_surface *surface, uint32_t class_index, unsigned degree,
 	const double (*points)[3], size_t count);
 

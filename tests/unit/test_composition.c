@@ -23,8 +23,11 @@ static void random_primitives(uint64_t *state, double modes, double exponents, e
 {
 	for (int p = 0; p < PARTS; p++) {
 		double step[ESK_PARAMETERS_ALL] = {0};
-		primitives[p] = (eskel_primitive){
-			.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .radii = {5, 5, 5}, .exponents = {1, 1}, .alpha = 1};
+		primitives[p] = (eskel_primitive){.kind = ESKEL_PRIMITIVE_DEFORMED,
+			.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+			.radii = {5, 5, 5},
+			.exponents = {1, 1},
+			.alpha = 1};
 		for (int t = 0; t < ESK_PARAMETERS_ALL; t++)
 			step[t] = t < 3   ? uniform(state, -6, 6)
 				  : t < 6 ? uniform(state, -2, 2)
