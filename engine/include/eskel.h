@@ -596,4 +596,36 @@ typedef struct {
 ESKEL_API void eskel_superposition_find(const eskel_skeleton *a, const eskel_skeleton *b,
 	eskel_superposition *proper, eskel_superposition *improper);
 
+/* ---------------------------------------------------------------------------------------------- mesh */
+
+/* Triangles with vertices in world space, mm; counterclockwise as seen from outside. Normals have length 1 and point
+ * outwards. */
+typedef struct {
+	size_t vertex_count, triangle_count;
+	float (*vertices)[3];
+	float (*normals)[3];        /* of the surface at the vertices */
+	uint32_t (*triangles)[3];   /* vertices */
+} eskel_mesh;
+
+ESKEL_API void eskel_mesh_free(eskel_mesh *mesh);
+
+/* mm^2. */
+ESKEL_API double eskel_mesh_area(const eskel_mesh *mesh);
+/* mm^3, of a closed mesh; negative if its triangles are clockwise from outside. */
+ESKEL_API double eskel_mesh_volume(const eskel_mesh *mesh);
+
+typedef struct {
+	size_t boundary_edges;      /* of one triangle; 0: the mesh is closed */
+	size_t crowded_edges;       /* of more than two */
+	size_t crowded_vertices;    /* whose triangles do not follow one another around it */
+	size_t turned_edges;        /* along which two triangles run the same way; 0: the mesh is oriented */
+	size_t components;          /* joined over vertices */
+	int64_t euler;              /* vertices of triangles - edges + triangles: 2 for each sphere, 0 for a torus */
+	double least_angle;         /* degrees, of a triangle's corner */
+	bool is_manifold;           /* closed, oriented and without crowded edges or vertices */
+} eskel_mesh_check_result;
+
+/* ESKEL_INVALID if a triangle has a vertex twice, or one that is not there. O(n log n). */
+ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check_result *result);
+
 #endif

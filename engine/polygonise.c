@@ -1,0 +1,431 @@
+/* Marching tetrahedra on the body-centred cubic lattice.
+ *
+ * The surface is followed (continuation.h), nodes next to it are snapped to it (snapping.h), and each tetrahedron with nodes
+ * inside and outside gives a triangle or a quadrangle, whose corners lie on its edges: a vertex is a cut of an edge, or a
+ * snapped node. Vertices are found on their edges by regula falsi; then quadrangles are divided along the shorter diagonal.
+ *
+ * In a row of tetrahedra that share a face, each has one edge of the mesh in it: the mesh is closed and a manifold whatever
+ * the field is, and its triangles are oriented as the tetrahedra are. */
+#include "polygonise.h"
+
+#include "error.h"
+#include "memory.h"
+#include "mesh.h"
+#include "snapping.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const size_t default_triangles_max = (size_t)1 << 24;
+
+enum {
+	BATCH = 256,
+	ROUNDS = 12, /* of regula falsi: each gains a digit at least, most surfaces need two or three */
+};
+/* Of an edge: the next error is of second order in the last change. */
+static const double settled_change = 1e-3;
+static const double longest_box = 1 << 20; /* in steps; coordinates of the lattice are at most twice that */
+
+typedef struct {
+	uint32_t corners[4]; /* vertices; the last is ESK_NO_NODE in a triangle */
+} polygon;
+
+/* The nodes of the edge that a vertex lies on. */
+typedef struct {
+	uint32_t inside, outside;
+} edge;
+
+typedef struct {
+	const esk_field *field;
+	esk_trace trace;
+	esk_star star;
+	uint8_t *states, *cuts; /* as esk_snap */
+	edge *edges;
+	size_t edge_count, edge_capacity;
+	polygon *polygons;
+	size_t polygon_count, polygon_capacity;
+	size_t triangle_count;
+} work;
+
+static void clear(work *w)
+{
+	esk_trace_clear(&w->trace);
+	free(w->states);
+	free(w->cuts);
+	free(w->edges);
+	free(w->polygons);
+}
+
+static bool add_vertex(work *w, edge e, uint32_t *vertex)
+{
+	void *edges = w->edges;
+	if (!esk_memory_reserve(&edges, &w->edge_capacity, w->edge_count + 1, sizeof *w->edges))
+		return false;
+	w->edges = edges;
+	w->edges[w->edge_count] = e;
+	*vertex = (uint32_t)w->edge_count++;
+	return true;
+}
+
+/* The vertex of a snapped node lies on the edge whose cut is nearest to it. */
+static bool snapped_vertex(work *w, uint32_t node, uint32_t *vertex)
+{
+	esk_active *active = &w->trace.actives[w->trace.lattice.nodes[node].active];
+	uint32_t *known = &active->vertices[ESK_DIRECTIONS];
+	if (*known == ESK_NO_NODE) {
+		const uint32_t other = active->neighbours[w->cuts[active - w->trace.actives]];
+		const bool inside = esk_trace_inside(&w->trace, node);
+		if (!add_vertex(w, inside ? (edge){node, other} : (edge){other, node}, known))
+			return false;
+	}
+	*vertex = *known;
+	return true;
+}
+
+/* The vertex between two corners of a cell, of which the second is outside. */
+static bool cut_vertex(work *w, const esk_star_cell *cell, const uint32_t nodes[4], int in, int out, uint32_t *vertex)
+{
+	if (w->states[nodes[out]] == ESK_SNAPPED)
+		return snapped_vertex(w, nodes[out], vertex);
+	const int lower = in < out ? in : out, upper = in < out ? out : in;
+	const int direction = cell->masks[upper] & ~cell->masks[lower];
+	const uint32_t active = w->trace.lattice.nodes[nodes[lower]].active;
+	uint32_t *known = &w->trace.actives[active].vertices[direction - 1];
+	if (*known == ESK_NO_NODE && !add_vertex(w, (edge){nodes[in], nodes[out]}, known))
+		return false;
+	*vertex = *known;
+	return true;
+}
+
+/* Corners that are the same vertex, one after another, count once; what then has no area is left out. */
+static bool add_polygon(work *w, const uint32_t *corners, int count)
+{
+	polygon p = {{ESK_NO_NODE, ESK_NO_NODE, ESK_NO_NODE, ESK_NO_NODE}};
+	int kept = 0;
+	for (int c = 0; c < count; c++)
+		if (corners[c] != corners[(c + 1) % count])
+			p.corners[kept++] = corners[c];
+	if (kept < 3)
+		return true;
+	void *polygons = w->polygons;
+	if (!esk_memory_reserve(&polygons, &w->polygon_capacity, w->polygon_count + 1, sizeof *w->polygons))
+		return false;
+	w->polygons = polygons;
+	w->polygons[w->polygon_count++] = p;
+	w->triangle_count += (size_t)kept - 2;
+	return true;
+}
+
+/* The corners of a cell, those inside first; how many are. Whether that order has a positive volume. */
+static int order_corners(
+	const work *w, const esk_star_cell *cell, const uint32_t nodes[4], int order[4], bool *positive)
+{
+	int inside = 0, outside = 0, others[4];
+	bool odd = cell->reversed;
+	for (int c = 0; c < 4; c++)
+		if (w->states[nodes[c]] == ESK_INSIDE) {
+			order[inside++] = c;
+			odd ^= outside & 1; /* it passes those before it that are outside */
+		} else {
+			others[outside++] = c;
+		}
+	for (int c = 0; c < outside; c++)
+		order[inside + c] = others[c];
+	*positive = !odd;
+	return inside;
+}
+
+/* Of corners a, b, c, d of positive volume, (b - a) x (c - a) points to d. So with a alone inside, its cuts to b, c, d run
+ * counterclockwise from outside; with d alone outside, the cuts from a, b, c to it do; with a and b inside, ac, ad, bd, bc. */
+static bool add_cell(work *w, const esk_star_cell *cell, const uint32_t nodes[4])
+{
+	static const int8_t pairs[4][4][2] = {
+		{{0}}, {{0, 1}, {0, 2}, {0, 3}}, {{0, 2}, {0, 3}, {1, 3}, {1, 2}}, {{0, 3}, {1, 3}, {2, 3}}};
+	int order[4];
+	bool positive;
+	const int inside = order_corners(w, cell, nodes, order, &positive), count = inside == 2 ? 4 : 3;
+	uint32_t corners[4];
+	for (int c = 0; c < count; c++) {
+		const int8_t *pair = pairs[inside][positive ? c : count - 1 - c];
+		if (!cut_vertex(w, cell, nodes, order[pair[0]], order[pair[1]], &corners[c]))
+			return false;
+	}
+	return add_polygon(w, corners, count);
+}
+
+/* The cells around an active node that are no earlier one's. */
+static bool add_star(work *w, size_t n)
+{
+	const esk_active *active = &w->trace.actives[n];
+	unsigned inside = 0, earlier = 0;
+	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
+		inside |= (w->states[active->neighbours[s]] & 1u) << s;
+		earlier |= (w->trace.lattice.nodes[active->neighbours[s]].active < n ? 1u : 0) << s;
+	}
+	const unsigned uncut = w->states[active->node] & ESK_INSIDE ? 1 : 0;
+	for (int t = 0; t < ESK_STAR; t++) {
+		const esk_star_cell *cell = &w->star.cells[t];
+		if (earlier & cell->others || (inside & cell->others) == (uncut ? cell->others : 0))
+			continue;
+		uint32_t nodes[4];
+		for (int c = 0; c < 4; c++)
+			nodes[c] = cell->slots[c] == ESK_NEIGHBOURS ? active->node : active->neighbours[cell->slots[c]];
+		if (!add_cell(w, cell, nodes))
+			return false;
+	}
+	return true;
+}
+
+/* ---- where vertices lie */
+
+/* A stretch of an edge, in parts of the way from inside to outside, with values at its ends. */
+typedef struct {
+	double origin[3], way[3];
+	double lower, upper, lower_value, upper_value;
+	double part; /* where the surface is, as far as is known */
+	int kept;    /* -1 or 1: the lower or the upper end was kept last */
+	bool settled;
+} bracket;
+
+static double interpolate(const bracket *b)
+{
+	const double part = b->lower + (b->upper - b->lower) * (b->lower_value / (b->lower_value - b->upper_value));
+	/* Not where a value is not finite, or so near to 0 that an end would come out. */
+	return part > b->lower && part < b->upper ? part : (b->lower + b->upper) / 2;
+}
+
+static void start_bracket(const esk_trace *trace, const edge *e, bracket *b)
+{
+	const esk_lattice *l = &trace->lattice;
+	double end[3];
+	*b = (bracket){.upper = 1, .lower_value = l->values[e->inside], .upper_value = l->values[e->outside]};
+	esk_lattice_position(l, l->nodes[e->inside].at, b->origin);
+	esk_lattice_position(l, l->nodes[e->outside].at, end);
+	for (int a = 0; a < 3; a++)
+		b->way[a] = end[a] - b->origin[a];
+	/* An outer node may lie on the surface. */
+	b->settled = b->upper_value == 0;
+	b->part = b->settled ? 1 : interpolate(b);
+}
+
+/* One round of the Illinois variant of regula falsi (Dowell and Jarratt 1971): the value at an end kept twice is halved. */
+static void narrow_bracket(bracket *b, double value)
+{
+	const double last = b->part;
+	if (value < 0) {
+		b->lower = b->part;
+		b->lower_value = value;
+		b->upper_value *= b->kept == 1 ? 0.5 : 1;
+		b->kept = 1;
+	} else {
+		b->upper = b->part;
+		b->upper_value = value;
+		b->lower_value *= b->kept == -1 ? 0.5 : 1;
+		b->kept = -1;
+	}
+	if (value != 0)
+		b->part = interpolate(b);
+	b->settled = fabs(b->part - last) <= settled_change;
+}
+
+static void place_on(const bracket *b, double point[3])
+{
+	for (int a = 0; a < 3; a++)
+		point[a] = b->origin[a] + b->part * b->way[a];
+}
+
+static void settle_brackets(const esk_field *field, size_t count, bracket *brackets)
+{
+	double points[BATCH][3], values[BATCH];
+	bracket *open[BATCH];
+	for (int round = 0; round < ROUNDS; round++) {
+		size_t left = 0;
+		for (size_t i = 0; i < count; i++)
+			if (!brackets[i].settled) {
+				place_on(&brackets[i], points[left]);
+				open[left++] = &brackets[i];
+			}
+		if (!left)
+			break;
+		field->values(field->context, left, (const double(*)[3])points, values);
+		for (size_t i = 0; i < left; i++)
+			narrow_bracket(open[i], values[i]);
+	}
+}
+
+static void compute_gradients(const esk_field *field, size_t count, const double (*points)[3], double (*gradients)[3])
+{
+	if (field->gradients)
+		field->gradients(field->context, count, points, gradients);
+	else
+		for (size_t i = 0; i < count; i++)
+			field->gradient(field->context, points[i], gradients[i]);
+}
+
+static void write_normal(const double gradient[3], float normal[3])
+{
+	const double length = sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
+	for (int a = 0; a < 3; a++)
+		normal[a] = (float)(length > 0 && length < INFINITY ? gradient[a] / length : 0);
+}
+
+static void write_vertices(const work *w, eskel_mesh *mesh)
+{
+	bracket brackets[BATCH];
+	double points[BATCH][3], gradients[BATCH][3];
+	for (size_t first = 0; first < w->edge_count; first += BATCH) {
+		const size_t rest = w->edge_count - first, count = rest < BATCH ? rest : BATCH;
+		for (size_t i = 0; i < count; i++)
+			start_bracket(&w->trace, &w->edges[first + i], &brackets[i]);
+		settle_brackets(w->field, count, brackets);
+		for (size_t i = 0; i < count; i++)
+			place_on(&brackets[i], points[i]);
+		compute_gradients(w->field, count, (const double(*)[3])points, gradients);
+		for (size_t i = 0; i < count; i++) {
+			for (int a = 0; a < 3; a++)
+				mesh->vertices[first + i][a] = (float)points[i][a];
+			write_normal(gradients[i], mesh->normals[first + i]);
+		}
+	}
+}
+
+static double distance(const eskel_mesh *mesh, uint32_t a, uint32_t b)
+{
+	double square = 0;
+	for (int i = 0; i < 3; i++) {
+		const double d = (double)mesh->vertices[a][i] - mesh->vertices[b][i];
+		square += d * d;
+	}
+	return square;
+}
+
+static void write_triangles(const work *w, eskel_mesh *mesh)
+{
+	uint32_t(*triangle)[3] = mesh->triangles;
+	for (size_t p = 0; p < w->polygon_count; p++) {
+		const uint32_t *c = w->polygons[p].corners;
+		const bool is_quadrangle = c[3] != ESK_NO_NODE;
+		const int turn = is_quadrangle && distance(mesh, c[1], c[3]) < distance(mesh, c[0], c[2]);
+		for (int t = 0; t <= is_quadrangle; t++, triangle++)
+			for (int i = 0; i < 3; i++)
+				(*triangle)[i] = c[(turn + (i ? i + t : 0)) % 4];
+	}
+}
+
+/* ---- the whole */
+
+static eskel_status check_options(const esk_polygonise_options *o, eskel_error *error)
+{
+	if (!(o->step > 0 && o->step < INFINITY))
+		return esk_error_set(error, ESKEL_INVALID, "the step is %g mm, expected a positive number", o->step);
+	for (int a = 0; a < 3; a++) {
+		const double length = o->greatest[a] - o->least[a];
+		if (!(length > 0 && length < INFINITY))
+			return esk_error_set(error, ESKEL_INVALID, "the box is from %g to %g mm along axis %d",
+				o->least[a], o->greatest[a], a);
+		if (length / o->step > longest_box)
+			return esk_error_set(error, ESKEL_TOO_LARGE,
+				"the box is %g mm long, expected at most %g steps of %g mm", length, longest_box,
+				o->step);
+	}
+	return ESKEL_OK;
+}
+
+static void start_lattice(const esk_field *field, const esk_polygonise_options *o, double step, esk_lattice *lattice)
+{
+	/* Two nodes in a cube of side 2 step_half. */
+	*lattice = (esk_lattice){.step_half = step * cbrt(2) / 2, .field = field};
+	for (int a = 0; a < 3; a++)
+		lattice->origin[a] = (o->least[a] + o->greatest[a]) / 2;
+}
+
+/* The triangles are as many as the area over the square of the step, so a surface that is too large is followed again with
+ * steps twice as long, until it has few enough nodes to tell how many it would have had. */
+static eskel_status refuse_step(
+	const esk_field *field, const esk_polygonise_options *options, size_t most, eskel_error *error)
+{
+	esk_trace trace = {0};
+	eskel_status status = ESKEL_TOO_LARGE;
+	double step = options->step;
+	while (status == ESKEL_TOO_LARGE) {
+		eskel_error again = {ESKEL_OK, ""};
+		step *= 2;
+		esk_trace_clear(&trace);
+		start_lattice(field, options, step, &trace.lattice);
+		status = esk_trace_surface(&trace, options, most, &again);
+		if (status != ESKEL_OK && again.status != ESKEL_OK) { /* for another reason than the limit */
+			if (error)
+				*error = again;
+			break;
+		}
+	}
+	if (status == ESKEL_OK) {
+		const double fitting = 1.1 * step * sqrt((double)trace.count / (double)most);
+		status = esk_error_set(error, ESKEL_TOO_LARGE,
+			"a step of %g mm gives more than %zu triangles, expected a step of at least %.3g mm",
+			options->step, most, fitting);
+	}
+	esk_trace_clear(&trace);
+	return status;
+}
+
+static eskel_status no_memory(const work *w, eskel_error *error)
+{
+	return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for a mesh of %zu triangles", w->triangle_count);
+}
+
+static eskel_status make_polygons(work *w, eskel_error *error)
+{
+	const esk_trace *trace = &w->trace;
+	esk_star_make(&w->star);
+	w->states = esk_memory_array(trace->lattice.node_count, sizeof *w->states);
+	w->cuts = esk_memory_array(trace->count, sizeof *w->cuts);
+	if (!w->states || !w->cuts)
+		return no_memory(w, error);
+	esk_snap(trace, &w->star, w->states, w->cuts);
+	for (size_t n = 0; n < trace->count; n++)
+		if (!add_star(w, n))
+			return no_memory(w, error);
+	return ESKEL_OK;
+}
+
+static eskel_status make_mesh(const work *w, eskel_mesh **mesh, eskel_error *error)
+{
+	eskel_mesh *made = esk_mesh_new(w->edge_count, w->triangle_count);
+	if (!made)
+		return no_memory(w, error);
+	write_vertices(w, made);
+	write_triangles(w, made);
+	if (esk_mesh_complete_normals(made) != ESKEL_OK) {
+		eskel_mesh_free(made);
+		return no_memory(w, error);
+	}
+	*mesh = made;
+	return ESKEL_OK;
+}
+
+eskel_status esk_polygonise(
+	const esk_field *field, const esk_polygonise_options *options, eskel_mesh **mesh, eskel_error *error)
+{
+	eskel_status status = check_options(options, error);
+	if (status != ESKEL_OK)
+		return status;
+	const size_t most = options->triangles_max ? options->triangles_max : default_triangles_max;
+	eskel_error found = {ESKEL_OK, ""};
+	work w = {.field = field};
+	start_lattice(field, options, options->step, &w.trace.lattice);
+	status = esk_trace_surface(&w.trace, options, most, &found);
+	if (status == ESKEL_OK)
+		status = make_polygons(&w, &found);
+	if (status == ESKEL_OK && w.triangle_count > most)
+		status = ESKEL_TOO_LARGE;
+	if (status == ESKEL_OK)
+		status = make_mesh(&w, mesh, &found);
+	clear(&w);
+	if (status == ESKEL_TOO_LARGE && found.status == ESKEL_OK)
+		return refuse_step(field, options, most, error);
+	if (status != ESKEL_OK && error)
+		*error = found;
+	return status;
+}
