@@ -8,7 +8,8 @@
 #include <string.h>
 
 enum {
-	UP = 3 - 1, /* the slot of direction (1, 1, 0), along the z axis of space */
+	TOGETHER = 64, /* nodes followed together: their neighbours fill the lanes of a field */
+	UP = 3 - 1,    /* the slot of direction (1, 1, 0), along the z axis of space */
 	/* Between nodes of the columns that a scan looks at, and those columns. Of 2 it costs as much as the rest. */
 	SCAN_STRIDE = 4,
 };
@@ -48,10 +49,10 @@ static bool leaves_box(const tracer *t, const int32_t at[3])
 static eskel_status activate(const tracer *t, uint32_t node)
 {
 	esk_trace *trace = t->trace;
-	esk_node *n = &trace->lattice.nodes[node];
-	if (n->active != ESK_NO_NODE)
+	uint32_t *active = &trace->lattice.active[node];
+	if (*active != ESK_NO_NODE)
 		return ESKEL_OK;
-	if (leaves_box(t, n->at))
+	if (leaves_box(t, trace->lattice.nodes[node].at))
 		return esk_error_set(t->error, ESKEL_TOO_LARGE, "the surface leaves its box");
 	if (trace->count >= t->most)
 		return ESKEL_TOO_LARGE;
@@ -59,7 +60,7 @@ static eskel_status activate(const tracer *t, uint32_t node)
 	if (!esk_memory_reserve(&actives, &trace->capacity, trace->count + 1, sizeof *trace->actives))
 		return no_memory(t);
 	trace->actives = actives;
-	n->active = (uint32_t)trace->count;
+	*active = (uint32_t)trace->count;
 	trace->actives[trace->count++].node = node;
 	return ESKEL_OK;
 }
@@ -72,32 +73,64 @@ static eskel_status activate_both(const tracer *t, uint32_t a, uint32_t b)
 	return status == ESKEL_OK ? activate(t, b) : status;
 }
 
-/* Follows the surface from all active nodes from the first on, wave by wave, so that values are computed many at once. */
-static eskel_status follow(const tracer *t, size_t first)
+/* Activates the neighbours of the other sign. */
+static eskel_status follow_cuts(const tracer *t, size_t n)
+{
+	const double *values = t->trace->lattice.values;
+	uint32_t neighbours[ESK_NEIGHBOURS];
+	memcpy(neighbours, t->trace->actives[n].neighbours, sizeof neighbours);
+	const bool inside = values[t->trace->actives[n].node] < 0;
+	unsigned cut = 0;
+	for (int s = 0; s < ESK_NEIGHBOURS; s++)
+		cut |= ((values[neighbours[s]] < 0) != inside ? 1u : 0) << s;
+	t->trace->actives[n].cut = (uint16_t)cut;
+	eskel_status status = ESKEL_OK;
+	for (; cut && status == ESKEL_OK; cut &= cut - 1)
+		status = activate(t, neighbours[__builtin_ctz(cut)]);
+	return status;
+}
+
+/* The last of those that are waiting first, so that what lies together in space does so in memory; many at once, so that
+ * values are computed many at once. */
+static eskel_status follow_some(const tracer *t, const uint32_t *waiting, size_t count)
 {
 	esk_trace *trace = t->trace;
-	esk_lattice *lattice = &trace->lattice;
-	while (first < trace->count) {
-		const size_t end = trace->count;
-		for (size_t n = first; n < end; n++) {
-			esk_active *active = &trace->actives[n];
-			if (!esk_lattice_neighbours(lattice, active->node, active->neighbours))
-				return no_memory(t);
-			memset(active->vertices, 0xff, sizeof active->vertices);
-		}
-		if (!esk_lattice_evaluate(lattice))
+	for (size_t w = 0; w < count; w++) {
+		esk_active *active = &trace->actives[waiting[w]];
+		if (!esk_lattice_neighbours(&trace->lattice, active->node, active->neighbours))
 			return no_memory(t);
-		for (size_t n = first; n < end; n++) {
-			const uint32_t node = trace->actives[n].node;
-			for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-				eskel_status status = activate_both(t, node, trace->actives[n].neighbours[s]);
-				if (status != ESKEL_OK)
-					return status;
-			}
-		}
-		first = end;
+		memset(active->vertices, 0xff, sizeof active->vertices); /* ESK_NO_NODE */
 	}
-	return ESKEL_OK;
+	if (!esk_lattice_evaluate(&trace->lattice))
+		return no_memory(t);
+	eskel_status status = ESKEL_OK;
+	for (size_t w = 0; w < count && status == ESKEL_OK; w++)
+		status = follow_cuts(t, waiting[w]);
+	return status;
+}
+
+/* Follows the surface from all active nodes. */
+static eskel_status follow(const tracer *t)
+{
+	uint32_t *waiting = NULL, some[TOGETHER];
+	size_t capacity = 0, count = 0, listed = 0; /* actives that have been waiting */
+	eskel_status status = ESKEL_OK;
+	while (status == ESKEL_OK && (count > 0 || listed < t->trace->count)) {
+		void *items = waiting;
+		if (!esk_memory_reserve(&items, &capacity, count + t->trace->count - listed, sizeof *waiting)) {
+			status = no_memory(t);
+			break;
+		}
+		waiting = items;
+		while (listed < t->trace->count)
+			waiting[count++] = (uint32_t)listed++;
+		const size_t taken = count < TOGETHER ? count : TOGETHER;
+		count -= taken;
+		memcpy(some, waiting + count, taken * sizeof *some);
+		status = follow_some(t, some, taken);
+	}
+	free(waiting);
+	return status;
 }
 
 static void move(int32_t at[3], int slot, int32_t by)
@@ -219,7 +252,7 @@ eskel_status esk_trace_surface(esk_trace *trace, const esk_polygonise_options *o
 	if (status == ESKEL_OK && options->scan)
 		status = scan_box(&t, nodes);
 	if (status == ESKEL_OK)
-		status = follow(&t, 0);
+		status = follow(&t);
 	if (status == ESKEL_OK && trace->count == 0)
 		status = esk_error_set(error, ESKEL_EMPTY, "no surface was met from %zu seeds", options->seed_count);
 	free(nodes);

@@ -14,6 +14,7 @@ enum { ESK_CUTS = ESK_DIRECTIONS + 1 };
 
 typedef struct {
 	uint32_t node, neighbours[ESK_NEIGHBOURS];
+	uint16_t cut; /* the slots of neighbours of the other sign */
 	uint32_t vertices
 		[ESK_CUTS]; /* of the mesh: on the edge in each direction, and the node itself; ESK_NO_NODE: none */
 } esk_active;

@@ -11,12 +11,15 @@ enum {
 	SIDE_BITS = 3,
 	BLOCK = SIDE * SIDE * SIDE,
 	KEY_BITS = 21,
+	AROUND = 27, /* a block and those next to it */
 	BATCH = 256, /* points of a call: they and their values fit into the nearest cache */
 };
 
 /* Nodes that lie together, so that most neighbours are found without a search. */
 struct esk_block {
 	uint64_t key;
+	uint32_t around
+		[AROUND]; /* blocks at (x, y, z) from -1 to 1, by 9 (x + 1) + 3 (y + 1) + z + 1; 0: not known, else + 1 */
 	uint32_t nodes[BLOCK]; /* 0: none, else the node + 1 */
 };
 
@@ -24,6 +27,7 @@ void esk_lattice_clear(esk_lattice *l)
 {
 	free(l->nodes);
 	free(l->values);
+	free(l->active);
 	free(l->blocks);
 	free(l->table);
 	*l = (esk_lattice){.step_half = l->step_half, .field = l->field};
@@ -89,46 +93,84 @@ static size_t within(const int32_t at[3])
 	return index;
 }
 
-static bool node_of(esk_lattice *l, uint32_t *entry, const int32_t at[3], uint32_t *node)
+static bool make_node(esk_lattice *l, uint32_t *entry, const int32_t at[3])
 {
-	if (!*entry) {
-		void *nodes = l->nodes;
-		if (l->node_count == ESK_NO_NODE - 1 ||
-			!esk_memory_reserve(&nodes, &l->node_capacity, l->node_count + 1, sizeof *l->nodes))
-			return false;
-		l->nodes = nodes;
-		l->nodes[l->node_count] = (esk_node){{at[0], at[1], at[2]}, ESK_NO_NODE};
-		*entry = (uint32_t)++l->node_count;
-	}
-	*node = *entry - 1;
+	void *nodes = l->nodes;
+	if (l->node_count == ESK_NO_NODE - 1 ||
+		!esk_memory_reserve(&nodes, &l->node_capacity, l->node_count + 1, sizeof *l->nodes))
+		return false;
+	l->nodes = nodes;
+	l->nodes[l->node_count] = (esk_node){{at[0], at[1], at[2]}};
+	*entry = (uint32_t)++l->node_count;
 	return true;
 }
 
 bool esk_lattice_node(esk_lattice *l, const int32_t at[3], uint32_t *node)
 {
 	esk_block *block = block_of(l, at);
-	return block && node_of(l, &block->nodes[within(at)], at, node);
+	if (!block)
+		return false;
+	uint32_t *entry = &block->nodes[within(at)];
+	if (!*entry && !make_node(l, entry, at))
+		return false;
+	*node = *entry - 1;
+	return true;
+}
+
+/* What a block knows of the one in a direction that at lies in. Blocks move when one is made. */
+static bool find_around(esk_lattice *l, size_t home, size_t direction, const int32_t at[3])
+{
+	if (l->blocks[home].around[direction])
+		return true;
+	const esk_block *block = block_of(l, at);
+	if (!block)
+		return false;
+	l->blocks[home].around[direction] = (uint32_t)(block - l->blocks) + 1;
+	return true;
+}
+
+/* Neighbours across the block's border, and those that are new. */
+static bool find_neighbour(esk_lattice *l, size_t home, const int32_t at[3], int slot, uint32_t *neighbour)
+{
+	const int mask = slot % ESK_DIRECTIONS + 1, sign = slot < ESK_DIRECTIONS ? 1 : -1;
+	int32_t to[3];
+	size_t direction = 0;
+	for (int a = 0; a < 3; a++) {
+		to[a] = at[a] + sign * (mask >> a & 1);
+		direction = 3 * direction + (size_t)((to[a] >> SIDE_BITS) - (at[a] >> SIDE_BITS) + 1);
+	}
+	if (!find_around(l, home, direction, to))
+		return false;
+	uint32_t *entry = &l->blocks[l->blocks[home].around[direction] - 1].nodes[within(to)];
+	if (!*entry && !make_node(l, entry, to))
+		return false;
+	*neighbour = *entry - 1;
+	return true;
 }
 
 bool esk_lattice_neighbours(esk_lattice *l, uint32_t node, uint32_t neighbours[ESK_NEIGHBOURS])
 {
+	static const int strides[ESK_DIRECTIONS] = {64, 8, 72, 1, 65, 9, 73}; /* as within() */
 	const int32_t at[3] = {l->nodes[node].at[0], l->nodes[node].at[1], l->nodes[node].at[2]};
-	esk_block *home = block_of(l, at);
-	if (!home)
+	const esk_block *block = block_of(l, at);
+	if (!block)
 		return false;
-	const size_t number = (size_t)(home - l->blocks); /* blocks move when one is made */
-	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		const int mask = s % ESK_DIRECTIONS + 1, sign = s < ESK_DIRECTIONS ? 1 : -1;
-		int32_t to[3];
-		bool stays = true;
-		for (int a = 0; a < 3; a++) {
-			to[a] = at[a] + sign * (mask >> a & 1);
-			stays &= to[a] >> SIDE_BITS == at[a] >> SIDE_BITS;
-		}
-		esk_block *block = stays ? &l->blocks[number] : block_of(l, to);
-		if (!block || !node_of(l, &block->nodes[within(to)], to, &neighbours[s]))
-			return false;
+	const size_t home = (size_t)(block - l->blocks);
+	const int place = (int)within(at);
+	bool ends[2] = {false, false}; /* of the block: no neighbours further on, or further back, in it */
+	for (int a = 0; a < 3; a++) {
+		ends[0] |= (at[a] & (SIDE - 1)) == SIDE - 1;
+		ends[1] |= (at[a] & (SIDE - 1)) == 0;
 	}
+	for (int back = 0; back < 2; back++)
+		for (int d = 0; d < ESK_DIRECTIONS; d++) {
+			uint32_t *neighbour = &neighbours[back * ESK_DIRECTIONS + d];
+			const int to = place + (back ? -strides[d] : strides[d]);
+			const uint32_t entry = ends[back] ? 0 : l->blocks[home].nodes[to];
+			*neighbour = entry - 1;
+			if (!entry && !find_neighbour(l, home, at, back * ESK_DIRECTIONS + d, neighbour))
+				return false;
+		}
 	return true;
 }
 
@@ -141,16 +183,20 @@ void esk_lattice_position(const esk_lattice *l, const int32_t at[3], double posi
 
 bool esk_lattice_evaluate(esk_lattice *l)
 {
-	void *values = l->values;
+	void *values = l->values, *active = l->active;
 	if (!esk_memory_reserve(&values, &l->value_capacity, l->node_count, sizeof *l->values))
 		return false;
 	l->values = values;
+	if (!esk_memory_reserve(&active, &l->active_capacity, l->node_count, sizeof *l->active))
+		return false;
+	l->active = active;
 	double points[BATCH][3];
 	while (l->node_known < l->node_count) {
 		const size_t rest = l->node_count - l->node_known, count = rest < BATCH ? rest : BATCH;
 		for (size_t i = 0; i < count; i++)
 			esk_lattice_position(l, l->nodes[l->node_known + i].at, points[i]);
 		l->field->values(l->field->context, count, (const double(*)[3])points, l->values + l->node_known);
+		memset(l->active + l->node_known, 0xff, count * sizeof *l->active); /* ESK_NO_NODE */
 		l->node_known += count;
 	}
 	return true;

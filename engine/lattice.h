@@ -26,7 +26,6 @@ enum {
 
 typedef struct {
 	int32_t at[3];
-	uint32_t active; /* the caller's; ESK_NO_NODE in a new node */
 } esk_node;
 
 typedef struct esk_block esk_block;
@@ -36,8 +35,9 @@ typedef struct {
 	double origin[3], step_half;
 	const esk_field *field;
 	esk_node *nodes;
-	double *values; /* of the field; known of the first node_known nodes */
-	size_t node_count, node_known, node_capacity, value_capacity;
+	double *values;   /* of the field; of the first node_known nodes */
+	uint32_t *active; /* the caller's, of those; ESK_NO_NODE at first */
+	size_t node_count, node_known, node_capacity, value_capacity, active_capacity;
 	esk_block *blocks;
 	uint32_t *table; /* of blocks, by place: 0: empty, else the block + 1 */
 	size_t block_count, block_capacity, table_capacity;

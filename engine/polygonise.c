@@ -71,7 +71,7 @@ static bool add_vertex(work *w, edge e, uint32_t *vertex)
 /* The vertex of a snapped node lies on the edge whose cut is nearest to it. */
 static bool snapped_vertex(work *w, uint32_t node, uint32_t *vertex)
 {
-	esk_active *active = &w->trace.actives[w->trace.lattice.nodes[node].active];
+	esk_active *active = &w->trace.actives[w->trace.lattice.active[node]];
 	uint32_t *known = &active->vertices[ESK_DIRECTIONS];
 	if (*known == ESK_NO_NODE) {
 		const uint32_t other = active->neighbours[w->cuts[active - w->trace.actives]];
@@ -90,7 +90,7 @@ static bool cut_vertex(work *w, const esk_star_cell *cell, const uint32_t nodes[
 		return snapped_vertex(w, nodes[out], vertex);
 	const int lower = in < out ? in : out, upper = in < out ? out : in;
 	const int direction = cell->masks[upper] & ~cell->masks[lower];
-	const uint32_t active = w->trace.lattice.nodes[nodes[lower]].active;
+	const uint32_t active = w->trace.lattice.active[nodes[lower]];
 	uint32_t *known = &w->trace.actives[active].vertices[direction - 1];
 	if (*known == ESK_NO_NODE && !add_vertex(w, (edge){nodes[in], nodes[out]}, known))
 		return false;
@@ -98,7 +98,7 @@ static bool cut_vertex(work *w, const esk_star_cell *cell, const uint32_t nodes[
 	return true;
 }
 
-/* Corners that are the same vertex, one after another, count once; what then has no area is left out. */
+/* Corners that are the same vertex, one after another, count once. */
 static bool add_polygon(work *w, const uint32_t *corners, int count)
 {
 	polygon p = {{ESK_NO_NODE, ESK_NO_NODE, ESK_NO_NODE, ESK_NO_NODE}};
@@ -106,8 +106,6 @@ static bool add_polygon(work *w, const uint32_t *corners, int count)
 	for (int c = 0; c < count; c++)
 		if (corners[c] != corners[(c + 1) % count])
 			p.corners[kept++] = corners[c];
-	if (kept < 3)
-		return true;
 	void *polygons = w->polygons;
 	if (!esk_memory_reserve(&polygons, &w->polygon_capacity, w->polygon_count + 1, sizeof *w->polygons))
 		return false;
@@ -154,19 +152,33 @@ static bool add_cell(work *w, const esk_star_cell *cell, const uint32_t nodes[4]
 	return add_polygon(w, corners, count);
 }
 
+/* Whether the corners outside are all snapped, and more than one is inside: then they shrink the polygon to an edge or a
+ * vertex. Sets are of at most four corners. */
+static bool has_area(unsigned inside, unsigned outside, unsigned snapped)
+{
+	const bool is_one_inside = !(inside & (inside - 1));
+	return inside && outside && (is_one_inside || outside != snapped);
+}
+
 /* The cells around an active node that are no earlier one's. */
 static bool add_star(work *w, size_t n)
 {
 	const esk_active *active = &w->trace.actives[n];
-	unsigned inside = 0, earlier = 0;
+	/* The node itself is in the slot after those of its neighbours. */
+	unsigned inside = (w->states[active->node] & ESK_INSIDE) << ESK_NEIGHBOURS;
+	unsigned snapped = w->states[active->node] / (unsigned)ESK_SNAPPED << ESK_NEIGHBOURS;
+	unsigned earlier = 0;
 	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		inside |= (w->states[active->neighbours[s]] & 1u) << s;
-		earlier |= (w->trace.lattice.nodes[active->neighbours[s]].active < n ? 1u : 0) << s;
+		const uint32_t neighbour = active->neighbours[s];
+		const unsigned state = w->states[neighbour];
+		inside |= (state & ESK_INSIDE) << s;
+		snapped |= state / ESK_SNAPPED << s;
+		earlier |= (w->trace.lattice.active[neighbour] < n ? 1u : 0) << s;
 	}
-	const unsigned uncut = w->states[active->node] & ESK_INSIDE ? 1 : 0;
 	for (int t = 0; t < ESK_STAR; t++) {
 		const esk_star_cell *cell = &w->star.cells[t];
-		if (earlier & cell->others || (inside & cell->others) == (uncut ? cell->others : 0))
+		const unsigned all = cell->others | 1u << ESK_NEIGHBOURS;
+		if (earlier & all || !has_area(inside & all, ~inside & all, snapped & all))
 			continue;
 		uint32_t nodes[4];
 		for (int c = 0; c < 4; c++)

@@ -2,33 +2,31 @@
 
 #include <math.h>
 
+#define SHORT 1.7320508075688772 /* sqrt(3) */
+#define LONG 2.0
 /* Of an edge, how near to a node a cut must be. Up to these the tetrahedra around a moved node keep their orientation, so that
  * triangles do not cross: they are the largest for which the paper proves good angles. */
-static const double near_long = 0.24999, near_short = 0.41189;
+#define NEAR_SHORT 0.41189
+#define NEAR_LONG 0.24999
 
-static bool is_long(int slot)
-{
-	const int mask = slot % ESK_DIRECTIONS + 1;
-	return mask == 3 || mask == 5 || mask == 6;
-}
+/* By direction: in step_half, and in parts of the edge. */
+static const double edge_lengths[ESK_DIRECTIONS] = {SHORT, SHORT, LONG, SHORT, LONG, LONG, SHORT};
+static const double near_parts[ESK_DIRECTIONS] = {
+	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
 /* Whether a cut is near enough to the node, and the slot of the nearest. */
-static bool is_near(const esk_trace *trace, const esk_active *active, uint8_t *cut)
+static bool is_near(const esk_trace *trace, const esk_active *active, uint8_t *nearest)
 {
-	const double *values = trace->lattice.values;
-	const double value = values[active->node];
+	const double value = trace->lattice.values[active->node];
 	double least = INFINITY;
 	bool near = false;
-	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		const double other = values[active->neighbours[s]];
-		if ((value < 0) == (other < 0))
-			continue;
-		const double part = value / (value - other);
-		const double distance = is_long(s) ? part * 2 : part * sqrt(3);
-		near |= part <= (is_long(s) ? near_long : near_short);
-		if (distance < least) {
-			least = distance;
-			*cut = (uint8_t)s;
+	for (unsigned rest = active->cut; rest; rest &= rest - 1) {
+		const int slot = __builtin_ctz(rest), direction = slot % ESK_DIRECTIONS;
+		const double part = value / (value - trace->lattice.values[active->neighbours[slot]]);
+		near |= part <= near_parts[direction];
+		if (part * edge_lengths[direction] < least) {
+			least = part * edge_lengths[direction];
+			*nearest = (uint8_t)slot;
 		}
 	}
 	return near;
