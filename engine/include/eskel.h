@@ -628,4 +628,28 @@ typedef struct {
 /* ESKEL_INVALID if a triangle has a vertex twice, or one that is not there. O(n log n). */
 ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check_result *result);
 
+/* The surface of the voxels, for comparison: their faces, in two triangles each, without regard to weights. Voxels that touch
+ * in an edge or a corner alone are apart, so that it is a closed manifold. ESKEL_TOO_LARGE for a box of more than 2^31 voxels. */
+ESKEL_API eskel_status eskel_cloud_mesh(const eskel_cloud *cloud, eskel_mesh **mesh, eskel_error *error);
+
+typedef enum {
+	ESKEL_MESH_STL, /* binary; the frame in its header */
+	ESKEL_MESH_PLY, /* binary little endian, with normals; the frame in a comment */
+	ESKEL_MESH_OBJ, /* with normals; the frame in a comment */
+	ESKEL_MESH_GLB, /* glTF 2.0: metres, Y up and Z to the front by the transform of its node; the frame in its extras */
+	ESKEL_MESH_FORMAT_COUNT
+} eskel_mesh_format;
+
+/* The axes that vertices are written in: those of the engine, or x to the left and y to the back, as DICOM and ITK have
+ * them. STL, PLY and OBJ say SPACE=RAS or SPACE=LPS as 3D Slicer reads it; their unit is mm. */
+typedef enum { ESKEL_FRAME_RAS, ESKEL_FRAME_LPS } eskel_frame;
+
+/* Takes the next bytes of a file; false stops writing. */
+typedef bool (*eskel_mesh_sink)(void *context, const uint8_t *bytes, size_t size);
+
+/* Writes a file piece by piece, without holding it. The same mesh always gives the same bytes. ESKEL_CANCELLED if the sink
+ * stopped; ESKEL_TOO_LARGE for a GLB of 4 GB; ESKEL_EMPTY for a GLB without triangles, which glTF does not allow. */
+ESKEL_API eskel_status eskel_mesh_write(const eskel_mesh *mesh, eskel_mesh_format format, eskel_frame frame,
+	eskel_mesh_sink sink, void *context);
+
 #endif
