@@ -17,13 +17,13 @@ static void put_header(esk_mesh_writer *w)
 }
 
 /* 0 of a triangle without area, as the format has it. */
-static void normal_of(float corners[3][3], float normal[3])
+static void normal_of(const float a[3], const float b[3], const float c[3], float normal[3])
 {
 	double cross[3], square = 0;
 	for (int i = 0; i < 3; i++) {
 		const int j = (i + 1) % 3, k = (i + 2) % 3;
-		cross[i] = ((double)corners[1][j] - corners[0][j]) * ((double)corners[2][k] - corners[0][k]) -
-			   ((double)corners[1][k] - corners[0][k]) * ((double)corners[2][j] - corners[0][j]);
+		cross[i] =
+			((double)b[j] - a[j]) * ((double)c[k] - a[k]) - ((double)b[k] - a[k]) * ((double)c[j] - a[j]);
 		square += cross[i] * cross[i];
 	}
 	for (int i = 0; i < 3; i++)
@@ -38,7 +38,7 @@ void esk_mesh_write_stl(esk_mesh_writer *w, const eskel_mesh *mesh)
 		float vectors[4][3];
 		for (int c = 0; c < 3; c++)
 			esk_mesh_to_frame(w, mesh->vertices[mesh->triangles[t][c]], vectors[c + 1]);
-		normal_of(&vectors[1], vectors[0]);
+		normal_of(vectors[1], vectors[2], vectors[3], vectors[0]);
 		for (int v = 0; v < 4; v++)
 			for (int a = 0; a < 3; a++)
 				esk_mesh_put_f32(w, vectors[v][a]);

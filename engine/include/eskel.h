@@ -632,6 +632,19 @@ ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check
  * in an edge or a corner alone are apart, so that it is a closed manifold. ESKEL_TOO_LARGE for a box of more than 2^31 voxels. */
 ESKEL_API eskel_status eskel_cloud_mesh(const eskel_cloud *cloud, eskel_mesh **mesh, eskel_error *error);
 
+typedef struct {
+	double error;           /* mm: how far the surface may move, by quadrics; 0: as far as it takes */
+	size_t triangles;       /* to be reached, as far as the error allows; 0: as few as it allows */
+} eskel_simplify_options;
+
+/* A coarser mesh, by meshoptimizer: some of the vertices, with their normals. A closed manifold stays one: where the library
+ * leaves none, less is simplified. error, in mm, is what the library says of the result. */
+ESKEL_API eskel_status eskel_mesh_simplify(
+	const eskel_mesh *mesh, const eskel_simplify_options *options, eskel_mesh **simplified, double *error);
+
+/* Orders triangles and vertices as graphics processors read them fastest, by meshoptimizer. Nothing else changes. */
+ESKEL_API eskel_status eskel_mesh_reorder(eskel_mesh *mesh);
+
 typedef enum {
 	ESKEL_MESH_STL, /* binary; the frame in its header */
 	ESKEL_MESH_PLY, /* binary little endian, with normals; the frame in a comment */
