@@ -260,4 +260,9 @@ void esk_star_make(esk_star *star)
 		}
 		add_to_rings(star, counts, cell->others);
 	}
+	for (unsigned back = 0; back < 2; back++)
+		for (unsigned set = 0; set < 1u << ESK_DIRECTIONS; set++)
+			for (unsigned t = 0; t < ESK_STAR; t++)
+				if (star->cells[t].others & set << back * ESK_DIRECTIONS)
+					star->halves[back][set] |= 1u << t;
 }

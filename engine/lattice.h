@@ -70,8 +70,17 @@ typedef struct {
 	uint16_t adjacent[ESK_NEIGHBOURS]; /* slots next to a slot in the link: a cycle around their common edge */
 	uint16_t rings[ESK_NEIGHBOURS]
 		      [6]; /* the edges of that cycle, two bits each; 0 past the fourth of a short one */
+	uint32_t halves
+		[2][1 << ESK_DIRECTIONS]; /* the cells, a bit each, that have one of a set of slots, forward or back */
 } esk_star;
 
 void esk_star_make(esk_star *star);
+
+/* The cells that have one of a set of slots. */
+static inline uint32_t esk_star_cells(const esk_star *star, unsigned slots)
+{
+	const unsigned half = (1u << ESK_DIRECTIONS) - 1;
+	return star->halves[0][slots & half] | star->halves[1][slots >> ESK_DIRECTIONS & half];
+}
 
 #endif

@@ -36,10 +36,17 @@ typedef struct {
 	uint32_t inside, outside;
 } edge;
 
+/* Of a tetrahedron, by which of its corners are inside. */
+typedef struct {
+	int count;           /* of corners of the polygon */
+	uint8_t edges[4][2]; /* that they lie on */
+} crossing;
+
 typedef struct {
 	const esk_field *field;
 	esk_trace trace;
 	esk_star star;
+	crossing crossings[16];
 	uint8_t *states, *cuts; /* as esk_snap */
 	edge *edges;
 	size_t edge_count, edge_capacity;
@@ -86,7 +93,7 @@ static bool snapped_vertex(work *w, uint32_t node, uint32_t *vertex)
 /* The vertex between two corners of a cell, of which the second is outside. */
 static bool cut_vertex(work *w, const esk_star_cell *cell, const uint32_t nodes[4], int in, int out, uint32_t *vertex)
 {
-	if (w->states[nodes[out]] == ESK_SNAPPED)
+	if (w->states[nodes[out]] & ESK_SNAPPED)
 		return snapped_vertex(w, nodes[out], vertex);
 	const int lower = in < out ? in : out, upper = in < out ? out : in;
 	const int direction = cell->masks[upper] & ~cell->masks[lower];
@@ -115,14 +122,20 @@ static bool add_polygon(work *w, const uint32_t *corners, int count)
 	return true;
 }
 
-/* The corners of a cell, those inside first; how many are. Whether that order has a positive volume. */
-static int order_corners(
-	const work *w, const esk_star_cell *cell, const uint32_t nodes[4], int order[4], bool *positive)
+/* Which edges of a tetrahedron with a set of corners inside its polygon has its own corners on: from a corner inside to one
+ * outside, counterclockwise from outside.
+ *
+ * Of corners a, b, c, d of positive volume, (b - a) x (c - a) points to d. So with a alone inside, its cuts to b, c, d run
+ * counterclockwise; with d alone outside, the cuts from a, b, c to it do; with a and b inside, ac, ad, bd, bc. */
+static void make_crossing(unsigned inside_set, crossing *made)
 {
-	int inside = 0, outside = 0, others[4];
-	bool odd = cell->reversed;
-	for (int c = 0; c < 4; c++)
-		if (w->states[nodes[c]] == ESK_INSIDE) {
+	static const uint8_t edges[4][4][2] = {
+		{{0}}, {{0, 1}, {0, 2}, {0, 3}}, {{0, 2}, {0, 3}, {1, 3}, {1, 2}}, {{0, 3}, {1, 3}, {2, 3}}};
+	uint8_t order[4], others[4]; /* corners inside first */
+	int inside = 0, outside = 0;
+	bool odd = false;
+	for (uint8_t c = 0; c < 4; c++)
+		if (inside_set >> c & 1) {
 			order[inside++] = c;
 			odd ^= outside & 1; /* it passes those before it that are outside */
 		} else {
@@ -130,55 +143,54 @@ static int order_corners(
 		}
 	for (int c = 0; c < outside; c++)
 		order[inside + c] = others[c];
-	*positive = !odd;
-	return inside;
+	made->count = inside % 4 == 0 ? 0 : inside == 2 ? 4 : 3;
+	for (int e = 0; e < made->count; e++) {
+		const uint8_t *ends = edges[inside][odd ? made->count - 1 - e : e];
+		made->edges[e][0] = order[ends[0]];
+		made->edges[e][1] = order[ends[1]];
+	}
 }
 
-/* Of corners a, b, c, d of positive volume, (b - a) x (c - a) points to d. So with a alone inside, its cuts to b, c, d run
- * counterclockwise from outside; with d alone outside, the cuts from a, b, c to it do; with a and b inside, ac, ad, bd, bc. */
 static bool add_cell(work *w, const esk_star_cell *cell, const uint32_t nodes[4])
 {
-	static const int8_t pairs[4][4][2] = {
-		{{0}}, {{0, 1}, {0, 2}, {0, 3}}, {{0, 2}, {0, 3}, {1, 3}, {1, 2}}, {{0, 3}, {1, 3}, {2, 3}}};
-	int order[4];
-	bool positive;
-	const int inside = order_corners(w, cell, nodes, order, &positive), count = inside == 2 ? 4 : 3;
+	unsigned inside = 0;
+	for (int c = 0; c < 4; c++)
+		inside |= (w->states[nodes[c]] & (unsigned)ESK_INSIDE) << c;
+	const crossing *x = &w->crossings[inside];
 	uint32_t corners[4];
-	for (int c = 0; c < count; c++) {
-		const int8_t *pair = pairs[inside][positive ? c : count - 1 - c];
-		if (!cut_vertex(w, cell, nodes, order[pair[0]], order[pair[1]], &corners[c]))
+	for (int e = 0; e < x->count; e++)
+		if (!cut_vertex(w, cell, nodes, x->edges[e][0], x->edges[e][1],
+			    &corners[cell->reversed ? x->count - 1 - e : e]))
 			return false;
-	}
-	return add_polygon(w, corners, count);
+	return add_polygon(w, corners, x->count);
 }
 
-/* Whether the corners outside are all snapped, and more than one is inside: then they shrink the polygon to an edge or a
- * vertex. Sets are of at most four corners. */
+/* Not where the corners outside are all snapped and more than one is inside: they shrink the polygon to an edge or a vertex.
+ * Sets are of at most four corners. */
 static bool has_area(unsigned inside, unsigned outside, unsigned snapped)
 {
 	const bool is_one_inside = !(inside & (inside - 1));
-	return inside && outside && (is_one_inside || outside != snapped);
+	return is_one_inside || outside != snapped;
 }
 
 /* The cells around an active node that are no earlier one's. */
-static bool add_star(work *w, size_t n)
+static bool add_star(work *w, const esk_active *active)
 {
-	const esk_active *active = &w->trace.actives[n];
 	/* The node itself is in the slot after those of its neighbours. */
-	unsigned inside = (w->states[active->node] & ESK_INSIDE) << ESK_NEIGHBOURS;
-	unsigned snapped = w->states[active->node] / (unsigned)ESK_SNAPPED << ESK_NEIGHBOURS;
-	unsigned earlier = 0;
-	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		const uint32_t neighbour = active->neighbours[s];
-		const unsigned state = w->states[neighbour];
+	unsigned inside = 0, snapped = 0, earlier = 0;
+	for (int s = 0; s <= ESK_NEIGHBOURS; s++) {
+		const uint32_t node = s < ESK_NEIGHBOURS ? active->neighbours[s] : active->node;
+		const unsigned state = w->states[node];
 		inside |= (state & ESK_INSIDE) << s;
-		snapped |= state / ESK_SNAPPED << s;
-		earlier |= (w->trace.lattice.active[neighbour] < n ? 1u : 0) << s;
+		snapped |= (state / ESK_SNAPPED & 1) << s;
+		earlier |= (state / ESK_ACTIVE & (node < active->node)) << s;
 	}
-	for (int t = 0; t < ESK_STAR; t++) {
-		const esk_star_cell *cell = &w->star.cells[t];
-		const unsigned all = cell->others | 1u << ESK_NEIGHBOURS;
-		if (earlier & all || !has_area(inside & all, ~inside & all, snapped & all))
+	const unsigned own = 1u << ESK_NEIGHBOURS;
+	uint32_t cells = esk_star_cells(&w->star, inside & own ? ~inside : inside) & ~esk_star_cells(&w->star, earlier);
+	for (; cells; cells &= cells - 1) {
+		const esk_star_cell *cell = &w->star.cells[__builtin_ctz(cells)];
+		const unsigned all = cell->others | own;
+		if (!has_area(inside & all, ~inside & all, snapped & all))
 			continue;
 		uint32_t nodes[4];
 		for (int c = 0; c < 4; c++)
@@ -391,13 +403,15 @@ static eskel_status make_polygons(work *w, eskel_error *error)
 {
 	const esk_trace *trace = &w->trace;
 	esk_star_make(&w->star);
+	for (unsigned inside = 0; inside < 16; inside++)
+		make_crossing(inside, &w->crossings[inside]);
 	w->states = esk_memory_array(trace->lattice.node_count, sizeof *w->states);
 	w->cuts = esk_memory_array(trace->count, sizeof *w->cuts);
 	if (!w->states || !w->cuts)
 		return no_memory(w, error);
 	esk_snap(trace, &w->star, w->states, w->cuts);
 	for (size_t n = 0; n < trace->count; n++)
-		if (!add_star(w, n))
+		if (!add_star(w, &trace->actives[n]))
 			return no_memory(w, error);
 	return ESKEL_OK;
 }

@@ -14,22 +14,33 @@ static const double edge_lengths[ESK_DIRECTIONS] = {SHORT, SHORT, LONG, SHORT, L
 static const double near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-/* Whether a cut is near enough to the node, and the slot of the nearest. */
-static bool is_near(const esk_trace *trace, const esk_active *active, uint8_t *nearest)
+/* The values at the ends of an edge are as far from 0 as, to first order, they are from the cut. */
+static bool is_near(const esk_trace *trace, const esk_active *active)
+{
+	const double value = fabs(trace->lattice.values[active->node]);
+	bool near = false;
+	for (unsigned rest = active->cut; rest; rest &= rest - 1) {
+		const int slot = __builtin_ctz(rest);
+		const double other = fabs(trace->lattice.values[active->neighbours[slot]]);
+		near |= value <= near_parts[slot % ESK_DIRECTIONS] * (value + other);
+	}
+	return near;
+}
+
+static uint8_t nearest_cut(const esk_trace *trace, const esk_active *active)
 {
 	const double value = trace->lattice.values[active->node];
 	double least = INFINITY;
-	bool near = false;
+	int nearest = __builtin_ctz(active->cut);
 	for (unsigned rest = active->cut; rest; rest &= rest - 1) {
-		const int slot = __builtin_ctz(rest), direction = slot % ESK_DIRECTIONS;
+		const int slot = __builtin_ctz(rest);
 		const double part = value / (value - trace->lattice.values[active->neighbours[slot]]);
-		near |= part <= near_parts[direction];
-		if (part * edge_lengths[direction] < least) {
-			least = part * edge_lengths[direction];
-			*nearest = (uint8_t)slot;
+		if (part * edge_lengths[slot % ESK_DIRECTIONS] < least) {
+			least = part * edge_lengths[slot % ESK_DIRECTIONS];
+			nearest = slot;
 		}
 	}
-	return near;
+	return (uint8_t)nearest;
 }
 
 /* Whether the slots of a set are connected in the link. */
@@ -84,7 +95,7 @@ static bool breaks_rules(const esk_star *star, const uint8_t *states, const esk_
 /* All at once, so that no order matters. Whether there was one. */
 static bool release_breakers(const esk_trace *trace, const esk_star *star, uint8_t *states)
 {
-	enum { BREAKS = 4 };
+	enum { BREAKS = 8 };
 	bool any = false;
 	for (size_t n = 0; n < trace->count; n++) {
 		const esk_active *active = &trace->actives[n];
@@ -96,7 +107,7 @@ static bool release_breakers(const esk_trace *trace, const esk_star *star, uint8
 	for (size_t n = 0; n < trace->count && any; n++) {
 		const uint32_t node = trace->actives[n].node;
 		if (states[node] & BREAKS)
-			states[node] = esk_trace_inside(trace, node) ? ESK_INSIDE : 0;
+			states[node] = ESK_ACTIVE | (esk_trace_inside(trace, node) ? ESK_INSIDE : 0);
 	}
 	return any;
 }
@@ -105,9 +116,14 @@ void esk_snap(const esk_trace *trace, const esk_star *star, uint8_t *states, uin
 {
 	for (size_t n = 0; n < trace->lattice.node_count; n++)
 		states[n] = esk_trace_inside(trace, (uint32_t)n) ? ESK_INSIDE : 0;
-	for (size_t n = 0; n < trace->count; n++)
-		if (is_near(trace, &trace->actives[n], &cuts[n]))
-			states[trace->actives[n].node] = ESK_SNAPPED;
+	for (size_t n = 0; n < trace->count; n++) {
+		const esk_active *active = &trace->actives[n];
+		uint8_t *state = &states[active->node];
+		*state = is_near(trace, active) ? ESK_ACTIVE | ESK_SNAPPED : ESK_ACTIVE | *state;
+	}
 	while (release_breakers(trace, star, states))
 		;
+	for (size_t n = 0; n < trace->count; n++)
+		if (states[trace->actives[n].node] & ESK_SNAPPED)
+			cuts[n] = nearest_cut(trace, &trace->actives[n]);
 }

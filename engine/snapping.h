@@ -16,10 +16,10 @@
 
 #include "continuation.h"
 
-enum { ESK_INSIDE = 1, ESK_SNAPPED = 2 };
+enum { ESK_INSIDE = 1, ESK_SNAPPED = 2, ESK_ACTIVE = 4 };
 
-/* States[node] of all nodes: ESK_SNAPPED, ESK_INSIDE, or 0 for outside; those of inside are inside and not snapped. cuts[n]
- * is the slot of the edge on which the surface is next to the nth active node. */
+/* states[node] of all nodes: ESK_INSIDE, ESK_SNAPPED or, outside, neither; and ESK_ACTIVE. cuts[n] is, where the nth active node
+ * is snapped, the slot of the edge on which the surface is nearest. */
 void esk_snap(const esk_trace *trace, const esk_star *star, uint8_t *states, uint8_t *cuts);
 
 #endif
