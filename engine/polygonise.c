@@ -11,6 +11,7 @@
 #include "error.h"
 #include "memory.h"
 #include "mesh.h"
+#include "roots.h"
 #include "snapping.h"
 
 #include <math.h>
@@ -19,12 +20,6 @@
 
 static const size_t default_triangles_max = (size_t)1 << 24;
 
-enum {
-	BATCH = 256,
-	ROUNDS = 12, /* of regula falsi: each gains a digit at least, most surfaces need two or three */
-};
-/* Of an edge: the next error is of second order in the last change. */
-static const double settled_change = 1e-3;
 static const double longest_box = 1 << 20; /* in steps; coordinates of the lattice are at most twice that */
 
 typedef struct {
@@ -203,80 +198,7 @@ static bool add_star(work *w, const esk_active *active)
 
 /* ---- where vertices lie */
 
-/* A stretch of an edge, in parts of the way from inside to outside, with values at its ends. */
-typedef struct {
-	double origin[3], way[3];
-	double lower, upper, lower_value, upper_value;
-	double part; /* where the surface is, as far as is known */
-	int kept;    /* -1 or 1: the lower or the upper end was kept last */
-	bool settled;
-} bracket;
-
-static double interpolate(const bracket *b)
-{
-	const double part = b->lower + (b->upper - b->lower) * (b->lower_value / (b->lower_value - b->upper_value));
-	/* Not where a value is not finite, or so near to 0 that an end would come out. */
-	return part > b->lower && part < b->upper ? part : (b->lower + b->upper) / 2;
-}
-
-static void start_bracket(const esk_trace *trace, const edge *e, bracket *b)
-{
-	const esk_lattice *l = &trace->lattice;
-	double end[3];
-	*b = (bracket){.upper = 1, .lower_value = l->values[e->inside], .upper_value = l->values[e->outside]};
-	esk_lattice_position(l, l->nodes[e->inside].at, b->origin);
-	esk_lattice_position(l, l->nodes[e->outside].at, end);
-	for (int a = 0; a < 3; a++)
-		b->way[a] = end[a] - b->origin[a];
-	/* An outer node may lie on the surface. */
-	b->settled = b->upper_value == 0;
-	b->part = b->settled ? 1 : interpolate(b);
-}
-
-/* One round of the Illinois variant of regula falsi (Dowell and Jarratt 1971): the value at an end kept twice is halved. */
-static void narrow_bracket(bracket *b, double value)
-{
-	const double last = b->part;
-	if (value < 0) {
-		b->lower = b->part;
-		b->lower_value = value;
-		b->upper_value *= b->kept == 1 ? 0.5 : 1;
-		b->kept = 1;
-	} else {
-		b->upper = b->part;
-		b->upper_value = value;
-		b->lower_value *= b->kept == -1 ? 0.5 : 1;
-		b->kept = -1;
-	}
-	if (value != 0)
-		b->part = interpolate(b);
-	b->settled = fabs(b->part - last) <= settled_change;
-}
-
-static void place_on(const bracket *b, double point[3])
-{
-	for (int a = 0; a < 3; a++)
-		point[a] = b->origin[a] + b->part * b->way[a];
-}
-
-static void settle_brackets(const esk_field *field, size_t count, bracket *brackets)
-{
-	double points[BATCH][3], values[BATCH];
-	bracket *open[BATCH];
-	for (int round = 0; round < ROUNDS; round++) {
-		size_t left = 0;
-		for (size_t i = 0; i < count; i++)
-			if (!brackets[i].settled) {
-				place_on(&brackets[i], points[left]);
-				open[left++] = &brackets[i];
-			}
-		if (!left)
-			break;
-		field->values(field->context, left, (const double(*)[3])points, values);
-		for (size_t i = 0; i < left; i++)
-			narrow_bracket(open[i], values[i]);
-	}
-}
+enum { BATCH = ESK_ROOTS_MOST };
 
 static void compute_gradients(const esk_field *field, size_t count, const double (*points)[3], double (*gradients)[3])
 {
@@ -294,17 +216,27 @@ static void write_normal(const double gradient[3], float normal[3])
 		normal[a] = (float)(length > 0 && length < INFINITY ? gradient[a] / length : 0);
 }
 
+/* The ends of the edges of a batch of vertices, and the field there. */
+static void find_ends(const work *w, size_t first, size_t count, esk_root *roots)
+{
+	const esk_lattice *l = &w->trace.lattice;
+	for (size_t i = 0; i < count; i++) {
+		const edge *e = &w->edges[first + i];
+		roots[i].inside_value = l->values[e->inside];
+		roots[i].outside_value = l->values[e->outside];
+		esk_lattice_position(l, l->nodes[e->inside].at, roots[i].inside);
+		esk_lattice_position(l, l->nodes[e->outside].at, roots[i].outside);
+	}
+}
+
 static void write_vertices(const work *w, eskel_mesh *mesh)
 {
-	bracket brackets[BATCH];
+	esk_root roots[BATCH];
 	double points[BATCH][3], gradients[BATCH][3];
 	for (size_t first = 0; first < w->edge_count; first += BATCH) {
 		const size_t rest = w->edge_count - first, count = rest < BATCH ? rest : BATCH;
-		for (size_t i = 0; i < count; i++)
-			start_bracket(&w->trace, &w->edges[first + i], &brackets[i]);
-		settle_brackets(w->field, count, brackets);
-		for (size_t i = 0; i < count; i++)
-			place_on(&brackets[i], points[i]);
+		find_ends(w, first, count, roots);
+		esk_roots_find(w->field, count, roots, points);
 		compute_gradients(w->field, count, (const double(*)[3])points, gradients);
 		for (size_t i = 0; i < count; i++) {
 			for (int a = 0; a < 3; a++)
