@@ -718,4 +718,73 @@ ESKEL_API eskel_status eskel_surface_encode(const eskel_surface *surface, uint8_
 ESKEL_API eskel_status eskel_surface_decode(const uint8_t *bytes, size_t size, eskel_surface **surface,
 	eskel_error *error);
 
+/* ---------------------------------------------------------------------------------------------- mesh */
+
+/* Triangles with vertices in world space, mm; counterclockwise as seen from outside. Normals have length 1 and point
+ * outwards. */
+typedef struct {
+	size_t vertex_count, triangle_count;
+	float (*vertices)[3];
+	float (*normals)[3];        /* of the surface at the vertices */
+	uint32_t (*triangles)[3];   /* vertices */
+} eskel_mesh;
+
+ESKEL_API void eskel_mesh_free(eskel_mesh *mesh);
+
+/* mm^2. */
+ESKEL_API double eskel_mesh_area(const eskel_mesh *mesh);
+/* mm^3, of a closed mesh; negative if its triangles are clockwise from outside. */
+ESKEL_API double eskel_mesh_volume(const eskel_mesh *mesh);
+
+typedef struct {
+	size_t boundary_edges;      /* of one triangle; 0: the mesh is closed */
+	size_t crowded_edges;       /* of more than two */
+	size_t crowded_vertices;    /* whose triangles do not follow one another around it */
+	size_t turned_edges;        /* along which two triangles run the same way; 0: the mesh is oriented */
+	size_t components;          /* joined over vertices */
+	int64_t euler;              /* vertices of triangles - edges + triangles: 2 for each sphere, 0 for a torus */
+	double least_angle;         /* degrees, of a triangle's corner */
+	bool is_manifold;           /* closed, oriented and without crowded edges or vertices */
+} eskel_mesh_check_result;
+
+/* ESKEL_INVALID if a triangle has a vertex twice, or one that is not there. O(n log n). */
+ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check_result *result);
+
+/* The surface of the voxels, for comparison: their faces, in two triangles each, without regard to weights. Voxels that touch
+ * in an edge or a corner alone are apart, so that it is a closed manifold. ESKEL_TOO_LARGE for a box of more than 2^31 voxels. */
+ESKEL_API eskel_status eskel_cloud_mesh(const eskel_cloud *cloud, eskel_mesh **mesh, eskel_error *error);
+
+typedef struct {
+	double error;           /* mm: how far the surface may move, by quadrics; 0: as far as it takes */
+	size_t triangles;       /* to be reached, as far as the error allows; 0: as few as it allows */
+} eskel_simplify_options;
+
+/* A coarser mesh, by meshoptimizer: some of the vertices, with their normals. A closed manifold stays one: where the library
+ * leaves none, less is simplified. error, in mm, is what the library says of the result. */
+ESKEL_API eskel_status eskel_mesh_simplify(
+	const eskel_mesh *mesh, const eskel_simplify_options *options, eskel_mesh **simplified, double *error);
+
+/* Orders triangles and vertices as graphics processors read them fastest, by meshoptimizer. Nothing else changes. */
+ESKEL_API eskel_status eskel_mesh_reorder(eskel_mesh *mesh);
+
+typedef enum {
+	ESKEL_MESH_STL, /* binary; the frame in its header */
+	ESKEL_MESH_PLY, /* binary little endian, with normals; the frame in a comment */
+	ESKEL_MESH_OBJ, /* with normals; the frame in a comment */
+	ESKEL_MESH_GLB, /* glTF 2.0: metres, Y up and Z to the front by the transform of its node; the frame in its extras */
+	ESKEL_MESH_FORMAT_COUNT
+} eskel_mesh_format;
+
+/* The axes that vertices are written in: those of the engine, or x to the left and y to the back, as DICOM and ITK have
+ * them. STL, PLY and OBJ say SPACE=RAS or SPACE=LPS as 3D Slicer reads it; their unit is mm. */
+typedef enum { ESKEL_FRAME_RAS, ESKEL_FRAME_LPS } eskel_frame;
+
+/* Takes the next bytes of a file; false stops writing. */
+typedef bool (*eskel_mesh_sink)(void *context, const uint8_t *bytes, size_t size);
+
+/* Writes a file piece by piece, without holding it. The same mesh always gives the same bytes. ESKEL_CANCELLED if the sink
+ * stopped; ESKEL_TOO_LARGE for a GLB of 4 GB; ESKEL_EMPTY for a GLB without triangles, which glTF does not allow. */
+ESKEL_API eskel_status eskel_mesh_write(const eskel_mesh *mesh, eskel_mesh_format format, eskel_frame frame,
+	eskel_mesh_sink sink, void *context);
+
 #endif
