@@ -75,6 +75,7 @@ ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
 	X(ESKEL_WARNING_SFORM_QFORM_DISAGREE, "sform_qform_disagree") \
 	X(ESKEL_WARNING_NO_ORIENTATION, "no_orientation") \
 	X(ESKEL_WARNING_UNIT_ASSUMED, "unit_assumed") \
+	X(ESKEL_WARNING_NAMES_INCOMPLETE, "names_incomplete") \
 	X(ESKEL_WARNING_ANISOTROPIC, "anisotropic") \
 	X(ESKEL_WARNING_NOT_ORTHOGONAL, "not_orthogonal") \
 	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
@@ -190,8 +191,9 @@ ESKEL_API const eskel_volume_info *eskel_volume_get_info(const eskel_volume *vol
 /* The labels found, ascending. */
 ESKEL_API size_t eskel_volume_label_count(const eskel_volume *volume);
 ESKEL_API int32_t eskel_volume_label(const eskel_volume *volume, size_t index);
-/* What the file calls the label (a segment's name, with the side that its terminology says), at most 200 bytes as they are
- * in the file, which may be no UTF-8; NULL when it does not say. The volume's. */
+/* What the file calls the label (a segment's name, with the side that its terminology says, or that of a label table in a
+ * NIfTI header extension), at most 200 bytes as they are in the file, which may be no UTF-8; NULL when it does not say. The
+ * volume's. */
 ESKEL_API const char *eskel_volume_label_name(const eskel_volume *volume, int32_t label);
 /* Bit b of sides (0..5: x low, x high, y low, y high, z low, z high) is set when the label's voxels touch that
  * border of the grid. ESKEL_NOT_FOUND when no voxel has the label. */

@@ -278,6 +278,16 @@ class Tables(Served):
                     ("Left-Hippocampus", "hippocampus", "left"), ("femur_right", "femur", "right"),
                     ("sacrum", "sacrum", "none" if "none" in table else "-")])
 
+    def test_names_in_the_file_count_where_no_table_names_the_label(self):
+        volume = self.path("named.nii.gz")
+        labels = "".join(f'<Label Key="{label}" Red="1.0"><![CDATA[{name}]]></Label>\n'
+                         for label, name in enumerate(("femur_left", "no", "Größe &"), 1))
+        xml = f"<CaretExtension><VolumeInformation Index='0'><LabelTable>\n{labels}</LabelTable></VolumeInformation></CaretExtension>"
+        write_nifti(volume, side_by_side(ball(10), ball(11), ball(12)), extension=xml.encode())
+        rows = self.rows(self.eskel("enroll", volume, "--labels", self.write("table.csv", "label,name\n2,talus R\n")))
+        self.assertEqual([(row["name"], row["class"], row["side"]) for row in rows],
+                         [("femur_left", "femur", "left"), ("talus R", "talus", "right"), ("Größe &", "größe_&", "-")])
+
     def test_a_table_may_have_more_rows_than_the_volume_has_labels(self):
         volume = self.path("two.nii")
         write_nifti(volume, side_by_side(ball(4), ball(8)))

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""Compares print_labels with nibabel: voxels, volume, centroid and touched borders of every label, in every .nii.gz
+"""Compares print_labels with nibabel: voxels, volume, centroid, touched borders and name of every label, in every .nii.gz
 below the folders given and in random files with all sorts of orientation, datatype and byte order; of the random ones also
-with what they are as MetaImage.
+with what they are as MetaImage. Random header extensions name some labels.
 
 volume_oracle.py PRINT_LABELS FOLDER..."""
 import pathlib
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree
+import xml.sax.saxutils
 import zlib
 
 try:
@@ -22,8 +24,19 @@ METAIMAGE_TYPES = {"i1": "MET_CHAR", "u1": "MET_UCHAR", "i2": "MET_SHORT", "u2":
 BAD_VALUE, UNSUPPORTED = "refused 9", "refused 6"  # of eskel_status
 
 
+def names_in(image):
+    """{label: name} of the header extensions, the first where there are several."""
+    names = {}
+    for extension in getattr(image.header, "extensions", []):
+        if extension.get_code() in (0, 30):
+            table = xml.etree.ElementTree.fromstring(extension.get_content().rstrip(b"\0")).find(".//LabelTable")
+            for label in table:
+                names.setdefault(int(label.get("Key")), label.text.strip())
+    return names
+
+
 def expected_labels(path):
-    """{label: (voxels, volume, centroid, sides)}, or the refusal."""
+    """{label: (voxels, volume, centroid, sides, name)}, or the refusal."""
     image = nibabel.load(path)
     if any(n != 1 for n in image.shape[3:]):
         return UNSUPPORTED
@@ -38,13 +51,14 @@ def expected_labels(path):
     index, found = index[order], found[order]
     labels, first = numpy.unique(found, return_index=True)
     volume = abs(numpy.linalg.det(image.affine[:3, :3]))
+    names = names_in(image)
     for label, points in zip(labels, numpy.split(index, first[1:])):
         centroid = image.affine[:3, :3] @ points.mean(axis=0) + image.affine[:3, 3]
         sides = 0
         for axis in range(3):
             sides |= int((points[:, axis] == 0).any()) << 2 * axis
             sides |= int((points[:, axis] == values.shape[axis] - 1).any()) << 2 * axis + 1
-        result[int(label)] = (len(points), len(points) * volume, centroid, sides)
+        result[int(label)] = (len(points), len(points) * volume, centroid, sides, names.get(int(label), ""))
     return result
 
 
@@ -54,8 +68,8 @@ def printed_labels(program, path):
         return text.strip()
     result = {}
     for line in text.splitlines():
-        label, voxels, volume, x, y, z, sides = line.split()
-        result[int(label)] = (int(voxels), float(volume), numpy.array([float(x), float(y), float(z)]), int(sides))
+        label, voxels, volume, x, y, z, sides, name = line.split(" ", 7)
+        result[int(label)] = (int(voxels), float(volume), numpy.array([float(x), float(y), float(z)]), int(sides), name)
     return result
 
 
@@ -69,13 +83,30 @@ def compare(program, path, nifti=None):
     assert sorted(expected) == sorted(printed), f"{path}: labels {sorted(printed)}, expected {sorted(expected)}"
     # The canonical offset is rounded to 1/1024 of less than the largest matrix entry.
     spacing = numpy.abs(nibabel.load(nifti).affine[:3, :3]).max()
-    for label, (voxels, volume, centroid, sides) in expected.items():
+    for label, (voxels, volume, centroid, sides, name) in expected.items():
         got = printed[label]
         where = f"{path}, label {label}: {got}, expected {expected[label]}"
         assert got[0] == voxels and got[3] == sides, where
         assert abs(got[1] - volume) <= 2e-6 * volume, where
         assert numpy.abs(got[2] - centroid).max() <= spacing / 1024, where
+        assert path != nifti or got[4] == name, where
     return len(expected)
+
+
+def random_extensions(rng):
+    """None to two; one of code 6 is a comment, whatever it looks like."""
+    extensions = []
+    for code in rng.choice([0, 6, 30], rng.integers(3)):
+        labels = ""
+        for key in rng.permutation(numpy.arange(-2, 121)):
+            name = "".join(rng.choice(list("aZ9 _-<>&'\"\u00e9\u20ac\U0001f9b4"), rng.integers(1, 40))).strip() or "x"
+            escaped = xml.sax.saxutils.escape(name)
+            texts = [f"<![CDATA[{name}]]>", escaped, escaped.encode("ascii", "xmlcharrefreplace").decode()]
+            labels += f"<Label Key='{key}' Red=\"1\">{rng.choice(texts)}</Label>\n"
+        content = (f'<?xml version="1.0" encoding="UTF-8"?>\n<CaretExtension><Date><![CDATA[2013-07-14T05:45:09]]></Date>'
+                   f'<VolumeInformation Index="0"><LabelTable>\n{labels}</LabelTable></VolumeInformation></CaretExtension>')
+        extensions.append(nibabel.nifti1.Nifti1Extension(int(code), content.encode()))
+    return extensions
 
 
 def random_image(rng):
@@ -96,6 +127,7 @@ def random_image(rng):
     affine[:3, :3] = rotation * rng.uniform(0.2, 5, 3)
     affine[:3, 3] = rng.uniform(-300, 300, 3)
     image = kind(data.astype(code), affine, header)
+    image.header.extensions.extend(random_extensions(rng))
     image.set_qform(affine, 1)
     image.set_sform(affine, int(rng.integers(2)))  # code 0: only the qform counts
     return image
