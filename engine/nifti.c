@@ -10,6 +10,7 @@
 #include "affine.h"
 #include "byte_order.h"
 #include "error.h"
+#include "nifti_labels.h"
 #include "volume_format.h"
 
 #include <math.h>
@@ -19,6 +20,8 @@ enum { nifti1_size = 348, nifti2_size = 540, longest_axis = 65535 };
 
 /* Extensions lie between header and voxels; real ones (label names, histories, XML) have kilobytes. */
 static const double largest_offset = 16 << 20;
+/* Of the file, the first that are searched for label names. */
+static const size_t most_name_bytes = (size_t)1 << 20;
 
 /* Where the sform and the qform put a corner of the grid may differ by this part of a voxel before we say so: both are
  * stored as floats, often of different origin, and nothing that a shape tells changes by less. */
@@ -39,6 +42,11 @@ typedef struct {
 	const uint8_t *bytes;
 	bool big_endian;
 } source;
+
+static size_t header_size(const fields *f)
+{
+	return f->version == 1 ? nifti1_size : nifti2_size;
+}
 
 static int get_i16(source s, size_t at)
 {
@@ -189,10 +197,10 @@ static eskel_status read_datatype(const fields *f, esk_voxel_format *voxels, esk
 
 static eskel_status read_offset(const fields *f, uint64_t *offset, eskel_error *error)
 {
-	int header_size = f->version == 1 ? nifti1_size : nifti2_size;
-	if (!(f->vox_offset >= header_size && f->vox_offset <= largest_offset) || f->vox_offset != rint(f->vox_offset))
+	const int least = (int)header_size(f);
+	if (!(f->vox_offset >= least && f->vox_offset <= largest_offset) || f->vox_offset != rint(f->vox_offset))
 		return esk_error_set(error, ESKEL_MALFORMED,
-			"vox_offset is %g, expected a whole number from %d to %.0f", f->vox_offset, header_size,
+			"vox_offset is %g, expected a whole number from %d to %.0f", f->vox_offset, least,
 			largest_offset);
 	*offset = (uint64_t)f->vox_offset;
 	return ESKEL_OK;
@@ -325,6 +333,35 @@ static eskel_status read_affine(const fields *f, eskel_volume_info *info, eskel_
 	return eskel_affine_check(&info->affine, error);
 }
 
+/* The bytes of the file, from its first, in which label names are: all before the voxels, if there may be an extension. */
+static size_t size_with_names(const fields *f, uint64_t data_offset)
+{
+	const size_t extension_flag_end = header_size(f) + 4;
+	if (data_offset <= extension_flag_end)
+		return header_size(f);
+	return data_offset < most_name_bytes ? (size_t)data_offset : most_name_bytes;
+}
+
+/* A volume is as good without the names of its labels, so what cannot be read of them is no reason to refuse it. */
+static eskel_status read_names(source s, const fields *f, size_t size, esk_volume_header *h, eskel_error *error)
+{
+	const size_t first = header_size(f);
+	eskel_status status = esk_nifti_labels_read(s.bytes + first, size - first, s.big_endian, &h->segments);
+	if (status == ESKEL_OK && size < h->data_offset && s.bytes[first] != 0)
+		status = ESKEL_MALFORMED;
+	if (status == ESKEL_MALFORMED) {
+		esk_volume_warn(&h->info, ESKEL_WARNING_NAMES_INCOMPLETE,
+			"the header extensions break off, are damaged or go on past %zu bytes; %zu label names were "
+			"read",
+			most_name_bytes, h->segments.count);
+		return ESKEL_OK;
+	}
+	if (status == ESKEL_OK)
+		return status;
+	esk_segments_clear(&h->segments);
+	return esk_error_set(error, status, "memory ran out for the names of labels");
+}
+
 eskel_status esk_nifti_read_header(
 	const uint8_t *bytes, size_t size, size_t *needed, esk_volume_header *header, eskel_error *error)
 {
@@ -352,6 +389,13 @@ eskel_status esk_nifti_read_header(
 		status = read_offset(&f, &h.data_offset, error);
 	if (status == ESKEL_OK)
 		status = read_affine(&f, &h.info, error);
+	if (status != ESKEL_OK)
+		return status;
+	*needed = size_with_names(&f, h.data_offset);
+	if (size < *needed)
+		return ESKEL_OK;
+	if (size > header_size(&f))
+		status = read_names(s, &f, size, &h, error);
 	if (status == ESKEL_OK)
 		*header = h;
 	return status;

@@ -23,6 +23,31 @@ eskel_status esk_segments_add(esk_segments *segments, const esk_segment *segment
 	return ESKEL_OK;
 }
 
+static bool is_blank(char c)
+{
+	return (unsigned char)c <= ' ' || c == 0x7f;
+}
+
+eskel_status esk_segments_add_name(esk_segments *segments, int32_t label, const char *name, size_t size)
+{
+	char kept[ESK_SEGMENTS_LONGEST_NAME + 1];
+	for (; size > 0 && is_blank(name[0]); size--)
+		name++;
+	if (size > ESK_SEGMENTS_LONGEST_NAME)
+		for (size = ESK_SEGMENTS_LONGEST_NAME; size > 0 && (name[size] & 0xc0) == 0x80;)
+			size--;
+	while (size > 0 && is_blank(name[size - 1]))
+		size--;
+	if (label == 0 || size == 0)
+		return ESKEL_OK;
+	if (segments->count >= ESK_SEGMENTS_MOST_NAMES)
+		return ESKEL_MALFORMED;
+	for (size_t i = 0; i < size; i++)
+		kept[i] = is_blank(name[i]) ? ' ' : name[i];
+	kept[size] = 0;
+	return esk_segments_add(segments, &(esk_segment){.label = label, .value = label, .name = kept});
+}
+
 const char *esk_segments_name(const esk_segments *segments, int32_t label)
 {
 	for (size_t i = 0; i < segments->count; i++)

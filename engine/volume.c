@@ -31,10 +31,10 @@ static const uint32_t default_most_labels = 4096;
  * bzip2 and text do not. */
 static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30, most_text_bytes = (uint64_t)1 << 28;
 
-enum { shortest_header = 4, largest_voxel = 8 };
+enum { shortest_header = 4, largest_voxel = 8, largest_footer = 1 << 20 };
 
 static esk_header_reader *const header_readers[] = {
-	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header};
+	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header};
 
 typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, FINISHED } phase;
 
@@ -60,6 +60,8 @@ struct eskel_volume {
 	esk_run_builder *builder;
 	esk_layers *layers;          /* NULL: one, the builder's */
 	esk_weight_builder *weights; /* NULL: voxels are labels */
+	uint8_t *footer_bytes;
+	size_t footer_size, footer_capacity;
 	const esk_label_table *labels;
 };
 
@@ -106,6 +108,7 @@ void eskel_volume_free(eskel_volume *volume)
 	esk_decompressor_free(volume->file);
 	esk_decompressor_free(volume->voxels);
 	free(volume->header_bytes);
+	free(volume->footer_bytes);
 	esk_layers_free(volume->layers);
 	esk_segments_clear(&volume->header.segments);
 	esk_run_builder_free(volume->builder);
@@ -148,6 +151,22 @@ static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t siz
 	return add_whole_voxels(v, bytes, whole, error);
 }
 
+static eskel_status take_footer(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	if (!v->header.read_footer)
+		return esk_error_set(error, ESKEL_MALFORMED, "the file goes on after its last voxel");
+	if (size > largest_footer - v->footer_size)
+		return esk_error_set(error, ESKEL_MALFORMED,
+			"the file goes on after its last voxel, expected a footer of at most %d bytes", largest_footer);
+	void *footer_bytes = v->footer_bytes;
+	if (!esk_memory_reserve(&footer_bytes, &v->footer_capacity, v->footer_size + size, 1))
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out in the footer");
+	v->footer_bytes = footer_bytes;
+	memcpy(v->footer_bytes + v->footer_size, bytes, size);
+	v->footer_size += size;
+	return ESKEL_OK;
+}
+
 static eskel_status take_voxels(void *volume, const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	eskel_volume *v = volume;
@@ -155,7 +174,7 @@ static eskel_status take_voxels(void *volume, const uint8_t *bytes, size_t size,
 	v->bytes_left -= taken;
 	eskel_status status = add_voxels(v, bytes, taken, error);
 	if (status == ESKEL_OK && taken < size)
-		status = esk_error_set(error, ESKEL_MALFORMED, "the file goes on after its last voxel");
+		status = take_footer(v, bytes + taken, size - taken, error);
 	return status;
 }
 
@@ -234,7 +253,7 @@ static eskel_status read_header(eskel_volume *v, eskel_error *error)
 	if (status == ESKEL_NOT_VOLUME)
 		return esk_error_set(error, status,
 			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2, "
-			"NRRD or MetaImage file",
+			"NRRD, MetaImage or MGH file",
 			bytes[0], bytes[1], bytes[2], bytes[3]);
 	return status;
 }
@@ -368,6 +387,14 @@ static eskel_status find_labels(eskel_volume *v, eskel_error *error)
 	return ESKEL_OK;
 }
 
+static eskel_status finish_labels(eskel_volume *v, eskel_error *error)
+{
+	eskel_status status = find_labels(v, error);
+	if (status == ESKEL_OK && v->header.read_footer)
+		status = v->header.read_footer(v->footer_bytes, v->footer_size, v->labels, &v->header, error);
+	return status;
+}
+
 eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 {
 	if (volume->phase == FINISHED || volume->error.status != ESKEL_OK)
@@ -376,7 +403,7 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 	if (volume->phase == IN_VOXELS && volume->header.text)
 		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
 	if (volume->error.status == ESKEL_OK && check_complete(volume, &volume->error) == ESKEL_OK) {
-		find_labels(volume, &volume->error);
+		finish_labels(volume, &volume->error);
 		volume->phase = FINISHED;
 	}
 	return report(volume, error);

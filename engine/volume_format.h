@@ -3,19 +3,27 @@
 #define ESK_VOLUME_FORMAT_H
 
 #include "decompressor.h"
+#include "run_builder.h"
 #include "segments.h"
 #include "voxel.h"
 
-typedef struct {
+typedef struct esk_volume_header esk_volume_header;
+
+/* Reads all that follows the last voxel, at most 2^20 bytes, when the labels are known. */
+typedef eskel_status esk_footer_reader(const uint8_t *bytes, size_t size, const esk_label_table *labels,
+	esk_volume_header *header, eskel_error *error);
+
+struct esk_volume_header {
 	eskel_volume_info info;  /* all but gzipped */
 	esk_voxel_format voxels; /* x fastest, then y, then z */
 	uint32_t layer_count;    /* more than 1: a voxel is as many values, of the segments' layers */
 	bool text;               /* numbers between blanks, which become 64-bit floats of this machine's order */
 	bool compressed;         /* the voxels alone, behind the header */
 	esk_compression compression;
-	uint64_t data_offset; /* of the first voxel, in bytes from the start of the file */
+	uint64_t data_offset;           /* of the first voxel, in bytes from the start of the file */
+	esk_footer_reader *read_footer; /* NULL: nothing may follow the last voxel */
 	esk_segments segments;
-} esk_volume_header;
+};
 
 /* Reads the header from the first size bytes of a file, at least 4. When it wants more it returns ESKEL_OK with
  * *needed > size, at most 2^20, and header untouched. Otherwise *needed <= size and header is complete: every extent
@@ -24,7 +32,7 @@ typedef struct {
 typedef eskel_status esk_header_reader(
 	const uint8_t *bytes, size_t size, size_t *needed, esk_volume_header *header, eskel_error *error);
 
-esk_header_reader esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header;
+esk_header_reader esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header;
 
 /* Adds a warning; a format gives at most as many as eskel_volume_info holds. */
 void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)

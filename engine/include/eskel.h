@@ -75,6 +75,8 @@ ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
 	X(ESKEL_WARNING_SFORM_QFORM_DISAGREE, "sform_qform_disagree") \
 	X(ESKEL_WARNING_NO_ORIENTATION, "no_orientation") \
 	X(ESKEL_WARNING_UNIT_ASSUMED, "unit_assumed") \
+	X(ESKEL_WARNING_NAMES_INCOMPLETE, "names_incomplete") \
+	X(ESKEL_WARNING_NAMES_ASSUMED, "names_assumed") \
 	X(ESKEL_WARNING_ANISOTROPIC, "anisotropic") \
 	X(ESKEL_WARNING_NOT_ORTHOGONAL, "not_orthogonal") \
 	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
@@ -152,10 +154,11 @@ ESKEL_API void eskel_components_free(eskel_components *components);
 
 /* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and
  * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files, NRRD
- * files with their voxels attached (raw, gzip, bzip2 or text; 3D Slicer segmentations among them) and MetaImage files with
- * theirs (.mha, compressed or not); either endianness, gzipped or not. Overlapping segments of 3D Slicer (at most 256 layers)
- * are labelled by their label values, or, where two have the same, by their numbers from 1 on; voxels of a layer that no
- * segment describes are left out. Nothing is ever opened: a header that names another file is refused. */
+ * files with their voxels attached (raw, gzip, bzip2 or text; 3D Slicer segmentations among them), MetaImage files with
+ * theirs (.mha, compressed or not) and FreeSurfer's MGH files; either endianness, gzipped or not. Overlapping segments of 3D
+ * Slicer (at most 256 layers) are labelled by their label values, or, where two have the same, by their numbers from 1 on;
+ * voxels of a layer that no segment describes are left out. Nothing is ever opened: a header that names another file is
+ * refused. */
 typedef struct eskel_volume eskel_volume;
 
 typedef struct {
@@ -170,7 +173,8 @@ typedef struct {
 } eskel_volume_options;
 
 ESKEL_API eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume **volume);
-/* After a failure every further call returns the same status and error. Bytes after the last voxel are an error. */
+/* After a failure every further call returns the same status and error. Bytes after the last voxel are an error, but for a
+ * footer of at most 1 MiB in an MGH file. */
 ESKEL_API eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t size, eskel_error *error);
 /* All bytes are there: ESKEL_TRUNCATED if voxels or checksums are missing, ESKEL_EMPTY if no voxel has a label. */
 ESKEL_API eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error);
@@ -178,7 +182,7 @@ ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
 /* The rest is for a finished volume. */
 typedef struct {
-	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD" or "MetaImage", static */
+	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage" or "MGH", static */
 	bool gzipped;                  /* the whole file, header and all */
 	uint32_t extent[3];
 	eskel_affine affine;
@@ -190,8 +194,9 @@ ESKEL_API const eskel_volume_info *eskel_volume_get_info(const eskel_volume *vol
 /* The labels found, ascending. */
 ESKEL_API size_t eskel_volume_label_count(const eskel_volume *volume);
 ESKEL_API int32_t eskel_volume_label(const eskel_volume *volume, size_t index);
-/* What the file calls the label (a segment's name, with the side that its terminology says), at most 200 bytes as they are
- * in the file, which may be no UTF-8; NULL when it does not say. The volume's. */
+/* What the file calls the label: a segment's name, with the side that its terminology says; the entry of a label table in a
+ * NIfTI header extension or in an MGH file's footer; where that has none, FreeSurfer's own name, with a warning. At most 200
+ * bytes as they are in the file, which may be no UTF-8; NULL when it does not say. The volume's. */
 ESKEL_API const char *eskel_volume_label_name(const eskel_volume *volume, int32_t label);
 /* Bit b of sides (0..5: x low, x high, y low, y high, z low, z high) is set when the label's voxels touch that
  * border of the grid. ESKEL_NOT_FOUND when no voxel has the label. */

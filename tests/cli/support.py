@@ -21,20 +21,24 @@ def eskel(*arguments, environment=None, stdin=None):
                           stdin=stdin or subprocess.DEVNULL, env={**inherited, "LC_ALL": "C.UTF-8", **(environment or {})})
 
 
-def write_nifti(path, labels, spacing=1.0):
-    """A NIfTI-1 file of 16-bit labels, x to the right, y to the front, z to the head; gzipped if it is called .gz."""
+def write_nifti(path, labels, spacing=1.0, extension=b""):
+    """A NIfTI-1 file of 16-bit labels, x to the right, y to the front, z to the head; gzipped if it is called .gz. The
+    header extension has code 0."""
+    if extension:
+        extension += bytes(-(len(extension) + 8) % 16)
+        extension = struct.pack("<2i", len(extension) + 8, 0) + extension
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
     struct.pack_into("<8h", header, 40, 3, *labels.shape, 1, 1, 1, 1)
     struct.pack_into("<2h", header, 70, 4, 16)  # DT_INT16
     struct.pack_into("<8f", header, 76, 1, *[spacing] * 3, 0, 0, 0, 0)
-    struct.pack_into("<f", header, 108, 352)
+    struct.pack_into("<f", header, 108, 352 + len(extension))
     struct.pack_into("<B", header, 123, 2)  # mm
     struct.pack_into("<2h", header, 252, 0, 2)  # sform_code
     for row in range(3):
         struct.pack_into("<4f", header, 280 + 16 * row, *[spacing * (row == c) for c in range(3)], 0)
-    header[344:348] = b"n+1\0"
-    data = bytes(header) + labels.astype("<i2").tobytes(order="F")
+    header[344:349] = b"n+1\0" + bytes([bool(extension)])
+    data = bytes(header) + extension + labels.astype("<i2").tobytes(order="F")
     with (gzip.open if str(path).endswith(".gz") else open)(path, "wb") as file:
         file.write(data)
 

@@ -1,6 +1,8 @@
 """Every command against a server: what it answers, and with which exit code."""
+import gzip
 import json
 import re
+import struct
 import subprocess
 import unittest
 import xml.dom.minidom
@@ -277,6 +279,32 @@ class Tables(Served):
                 self.assertEqual([(row["name"], row["class"], row["side"]) for row in rows], [
                     ("Left-Hippocampus", "hippocampus", "left"), ("femur_right", "femur", "right"),
                     ("sacrum", "sacrum", "none" if "none" in table else "-")])
+
+    def test_names_in_the_file_count_where_no_table_names_the_label(self):
+        volume = self.path("named.nii.gz")
+        labels = "".join(f'<Label Key="{label}" Red="1.0"><![CDATA[{name}]]></Label>\n'
+                         for label, name in enumerate(("femur_left", "no", "Größe &"), 1))
+        xml = f"<CaretExtension><VolumeInformation Index='0'><LabelTable>\n{labels}</LabelTable></VolumeInformation></CaretExtension>"
+        write_nifti(volume, side_by_side(ball(10), ball(11), ball(12)), extension=xml.encode())
+        rows = self.rows(self.eskel("enroll", volume, "--labels", self.write("table.csv", "label,name\n2,talus R\n")))
+        self.assertEqual([(row["name"], row["class"], row["side"]) for row in rows],
+                         [("femur_left", "femur", "left"), ("talus R", "talus", "right"), ("Größe &", "größe_&", "-")])
+
+    def test_an_mgz_file_names_labels_by_its_colour_table_or_as_aseg_does(self):
+        names = {17: b"Femur (L)\0", 53: b"ball\0"}
+        table = struct.pack(">3i", 1, -2, 54) + struct.pack(">ici", 1, b"\0", 2) + b"".join(
+            struct.pack(">2i", label, len(name)) + name + bytes(16) for label, name in names.items())
+        for radius, footer, expected in (
+                (13, b"", [("Left-Hippocampus", "hippocampus", "left"), ("Right-Hippocampus", "hippocampus", "right")]),
+                (15, bytes(20) + table, [("Femur (L)", "femur", "left"), ("ball", "ball", "-")])):
+            with self.subTest(footer):
+                labels = numpy.choose(side_by_side(ball(radius), ball(radius + 1)), (0, 17, 53))
+                header = struct.pack(">i4i2ih3f9f3f194x", 1, *labels.shape, 1, 4, 0, 1, 1, 1, 1, *numpy.eye(3).ravel(), 0, 0, 0)
+                volume = self.path("aseg.mgz")
+                with gzip.open(volume, "wb") as file:
+                    file.write(header + labels.astype(">i2").tobytes(order="F") + footer)
+                rows = self.rows(self.eskel("enroll", volume))
+                self.assertEqual([(row["name"], row["class"], row["side"]) for row in rows], expected)
 
     def test_a_table_may_have_more_rows_than_the_volume_has_labels(self):
         volume = self.path("two.nii")

@@ -1,5 +1,5 @@
 /* print_labels FILE: decodes a volume and prints a line "refused STATUS", or per label, exactly,
- *   label voxels volume_mm3 centroid_x centroid_y centroid_z border_sides
+ *   label voxels volume_mm3 centroid_x centroid_y centroid_z border_sides name
  * for volume_oracle.py to compare with nibabel. */
 #include "eskel.h"
 
@@ -28,7 +28,8 @@ static void print_label(const eskel_volume *volume, int32_t label)
 			centroid += cloud->affine.m[r][c] * sum[c] / (double)cloud->voxels;
 		printf(" %.17g", centroid);
 	}
-	printf(" %u\n", sides);
+	const char *name = eskel_volume_label_name(volume, label);
+	printf(" %u %s\n", sides, name ? name : "");
 	eskel_cloud_free(cloud);
 }
 

@@ -199,12 +199,44 @@ static void so_is_each_that_a_metaimage_needs(void **state)
 	assert_failures_are_reported(file, sizeof header - 1 + stream_size);
 }
 
+static void so_is_each_that_names_in_a_header_extension_need(void **state)
+{
+	(void)state;
+	static const char xml[] =
+		"<CaretExtension><LabelTable><Label Key=\"1\">a</Label><Label Key=\"2\">b</Label></LabelTable>";
+	enum { extension_size = 128 };
+	nifti_file file = nifti_file_new(1, false, 2, 8, 6, 5);
+	file.vox_offset += extension_size;
+	double values[240];
+	for (int i = 0; i < 240; i++)
+		values[i] = i % 7 % 3;
+	size_t size;
+	uint8_t *bytes = nifti_file_write(&file, values, 240, &size);
+	bytes[348] = 1;
+	bytes[352] = extension_size;
+	memcpy(bytes + 360, xml, sizeof xml);
+	assert_failures_are_reported(bytes, size);
+	free(bytes);
+}
+
+/* Without a colour table, so that the name of label 2 is FreeSurfer's. */
+static void so_is_each_that_an_mgh_file_needs(void **state)
+{
+	(void)state;
+	uint8_t file[284 + 240 + 20] = {[3] = 1, [7] = 8, [11] = 6, [15] = 5, [19] = 1};
+	for (int i = 0; i < 240; i++)
+		file[284 + i] = (uint8_t)(i % 7 % 3);
+	assert_failures_are_reported(file, sizeof file);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_failed_allocation_is_reported_and_leaks_nothing),
 		cmocka_unit_test(so_is_each_in_a_file_of_layers),
 		cmocka_unit_test(so_is_each_that_a_metaimage_needs),
+		cmocka_unit_test(so_is_each_that_names_in_a_header_extension_need),
+		cmocka_unit_test(so_is_each_that_an_mgh_file_needs),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

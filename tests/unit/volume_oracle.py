@@ -1,13 +1,17 @@
 #!/usr/bin/python3
-"""Compares print_labels with nibabel: voxels, volume, centroid and touched borders of every label, in every .nii.gz
+"""Compares print_labels with nibabel: voxels, volume, centroid, touched borders and name of every label, in every .nii.gz
 below the folders given and in random files with all sorts of orientation, datatype and byte order; of the random ones also
-with what they are as MetaImage.
+with what they are as MetaImage. Random header extensions name some labels. MGH files likewise, with random tags behind.
 
 volume_oracle.py PRINT_LABELS FOLDER..."""
+import gzip
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree
+import xml.sax.saxutils
 import zlib
 
 try:
@@ -22,8 +26,19 @@ METAIMAGE_TYPES = {"i1": "MET_CHAR", "u1": "MET_UCHAR", "i2": "MET_SHORT", "u2":
 BAD_VALUE, UNSUPPORTED = "refused 9", "refused 6"  # of eskel_status
 
 
-def expected_labels(path):
-    """{label: (voxels, volume, centroid, sides)}, or the refusal."""
+def names_in(image):
+    """{label: name} of the header extensions, the first where there are several."""
+    names = {}
+    for extension in getattr(image.header, "extensions", []):
+        if extension.get_code() in (0, 30):
+            table = xml.etree.ElementTree.fromstring(extension.get_content().rstrip(b"\0")).find(".//LabelTable")
+            for label in table:
+                names.setdefault(int(label.get("Key")), label.text.strip())
+    return names
+
+
+def expected_labels(path, names=None):
+    """{label: (voxels, volume, centroid, sides, name)}, or the refusal. Names that nibabel does not read are given."""
     image = nibabel.load(path)
     if any(n != 1 for n in image.shape[3:]):
         return UNSUPPORTED
@@ -38,13 +53,14 @@ def expected_labels(path):
     index, found = index[order], found[order]
     labels, first = numpy.unique(found, return_index=True)
     volume = abs(numpy.linalg.det(image.affine[:3, :3]))
+    names = names_in(image) if names is None else names
     for label, points in zip(labels, numpy.split(index, first[1:])):
         centroid = image.affine[:3, :3] @ points.mean(axis=0) + image.affine[:3, 3]
         sides = 0
         for axis in range(3):
             sides |= int((points[:, axis] == 0).any()) << 2 * axis
             sides |= int((points[:, axis] == values.shape[axis] - 1).any()) << 2 * axis + 1
-        result[int(label)] = (len(points), len(points) * volume, centroid, sides)
+        result[int(label)] = (len(points), len(points) * volume, centroid, sides, names.get(int(label), ""))
     return result
 
 
@@ -54,28 +70,45 @@ def printed_labels(program, path):
         return text.strip()
     result = {}
     for line in text.splitlines():
-        label, voxels, volume, x, y, z, sides = line.split()
-        result[int(label)] = (int(voxels), float(volume), numpy.array([float(x), float(y), float(z)]), int(sides))
+        label, voxels, volume, x, y, z, sides, name = line.split(" ", 7)
+        result[int(label)] = (int(voxels), float(volume), numpy.array([float(x), float(y), float(z)]), int(sides), name)
     return result
 
 
-def compare(program, path, nifti=None):
-    """Of a path that nibabel cannot read, nifti is the same volume."""
-    nifti = nifti or path
-    expected, printed = expected_labels(nifti), printed_labels(program, path)
+def compare(program, path, reference=None, names=None):
+    """Of a path that nibabel cannot read, the reference is the same volume."""
+    reference = reference or path
+    expected, printed = expected_labels(reference, names), printed_labels(program, path)
     if isinstance(expected, str) or isinstance(printed, str):
         assert expected == printed, f"{path}: {printed}, expected {expected}"
         return 0
     assert sorted(expected) == sorted(printed), f"{path}: labels {sorted(printed)}, expected {sorted(expected)}"
     # The canonical offset is rounded to 1/1024 of less than the largest matrix entry.
-    spacing = numpy.abs(nibabel.load(nifti).affine[:3, :3]).max()
-    for label, (voxels, volume, centroid, sides) in expected.items():
+    spacing = numpy.abs(nibabel.load(reference).affine[:3, :3]).max()
+    for label, (voxels, volume, centroid, sides, name) in expected.items():
         got = printed[label]
         where = f"{path}, label {label}: {got}, expected {expected[label]}"
         assert got[0] == voxels and got[3] == sides, where
         assert abs(got[1] - volume) <= 2e-6 * volume, where
         assert numpy.abs(got[2] - centroid).max() <= spacing / 1024, where
+        assert got[4] == name, where
     return len(expected)
+
+
+def random_extensions(rng):
+    """None to two; one of code 6 is a comment, whatever it looks like."""
+    extensions = []
+    for code in rng.choice([0, 6, 30], rng.integers(3)):
+        labels = ""
+        for key in rng.permutation(numpy.arange(-2, 121)):
+            name = "".join(rng.choice(list("aZ9 _-<>&'\"\u00e9\u20ac\U0001f9b4"), rng.integers(1, 40))).strip() or "x"
+            escaped = xml.sax.saxutils.escape(name)
+            texts = [f"<![CDATA[{name}]]>", escaped, escaped.encode("ascii", "xmlcharrefreplace").decode()]
+            labels += f"<Label Key='{key}' Red=\"1\">{rng.choice(texts)}</Label>\n"
+        content = (f'<?xml version="1.0" encoding="UTF-8"?>\n<CaretExtension><Date><![CDATA[2013-07-14T05:45:09]]></Date>'
+                   f'<VolumeInformation Index="0"><LabelTable>\n{labels}</LabelTable></VolumeInformation></CaretExtension>')
+        extensions.append(nibabel.nifti1.Nifti1Extension(int(code), content.encode()))
+    return extensions
 
 
 def random_image(rng):
@@ -96,9 +129,52 @@ def random_image(rng):
     affine[:3, :3] = rotation * rng.uniform(0.2, 5, 3)
     affine[:3, 3] = rng.uniform(-300, 300, 3)
     image = kind(data.astype(code), affine, header)
+    image.header.extensions.extend(random_extensions(rng))
     image.set_qform(affine, 1)
     image.set_sform(affine, int(rng.integers(2)))  # code 0: only the qform counts
     return image
+
+
+def random_tags(rng):
+    """Behind an MGH file's voxels and scan: tags with a size, one of the two forms of colour table among them. And the names
+    of that."""
+    tags, names = b"", {}
+    for tag in rng.permutation([1, 3, 31, 42, 77])[:rng.integers(6)]:
+        if tag != 1:
+            content = rng.bytes(rng.integers(50))
+            tags += struct.pack(">iq", tag, len(content)) + content
+            continue
+        numbered = rng.integers(2)
+        labels = list(range(121)) if not numbered else sorted(map(int, rng.choice(121, 60, replace=False)))
+        tags += struct.pack(">3i", 1, -2, 121) if numbered else struct.pack(">2i", 1, len(labels))
+        tags += struct.pack(">i", 9) + b"some.txt\0" + (struct.pack(">i", len(labels)) if numbered else b"")
+        for label in labels:
+            names[label] = f"Left-structure {label} \u00e9"[:rng.integers(3, 20)].strip()
+            name = names[label].encode() + b"\0"
+            tags += (struct.pack(">i", label) if numbered else b"") + struct.pack(">i", len(name)) + name
+            tags += struct.pack(">4i", *rng.integers(0, 255, 4))
+    return tags + rng.choice([b"", b"\0\0", b"\0\0\0\0 what follows is not read"]), names
+
+
+def save_mgh(rng, nifti, path, reference):
+    """The reference, which nibabel wrote, with tags, or without a footer; the names in it. Labels that FreeSurfer names
+    itself are not among those without a colour table. Where the header does not say how the voxels lie, they lie as
+    FreeSurfer's setDirectionCosine says; nibabel has them upside down."""
+    image = nibabel.load(nifti)
+    tags, names = random_tags(rng)
+    labels = numpy.asarray(image.dataobj).astype(int)
+    data = (labels if names else labels * 1000).astype(rng.choice([">i4", ">f4"] + [">i2", "u1"] * bool(names)))
+    affine, is_valid = image.affine, rng.integers(4) > 0
+    if not is_valid:
+        directions = numpy.array([[-1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+        affine = nibabel.affines.from_matvec(directions, -directions @ data.shape / 2)
+    nibabel.save(nibabel.MGHImage(data, affine), reference)
+    stored = reference.read_bytes()
+    if not is_valid:
+        stored = stored[:28] + bytes(62) + stored[90:]
+    stored = stored + tags if names or rng.integers(2) else stored[:-20]
+    path.write_bytes(gzip.compress(stored) if path.suffix == ".mgz" else stored)
+    return names
 
 
 def save_metaimage(nifti, path, compressed):
@@ -131,8 +207,12 @@ def main(program, folders):
             labels += compare(program, path)
             metaimage = path.with_name(f"random_{number}.mha")
             save_metaimage(path, metaimage, number % 3 == 0)
-            compare(program, metaimage, path)
-    print(f"{len(files)} files and 100 random ones, {labels} labels agree")
+            compare(program, metaimage, path, {})
+            mgh = path.with_name(f"random_{number}.mg" + "hz"[number % 2])
+            reference = path.with_name(f"reference_{number}.mgh")
+            names = save_mgh(rng, path, mgh, reference)
+            labels += compare(program, mgh, reference, names)
+    print(f"{len(files)} files and 200 random ones, {labels} labels agree")
 
 
 if __name__ == "__main__":
