@@ -204,6 +204,22 @@ ESKEL_API eskel_status eskel_volume_border(const eskel_volume *volume, int32_t l
 ESKEL_API eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel_cloud **cloud,
 	eskel_error *error);
 
+/* A cloud as the bytes of a file that a volume decoder reads back: the same cloud, bit for bit. Every voxel of it has the
+ * label; the grid is the cloud's with one empty voxel around (none along an axis of more than 65533). */
+typedef enum {
+	ESKEL_VOLUME_NIFTI, /* gzipped NIfTI-1; NIfTI-2 where floats or 16-bit extents would not give the cloud back */
+	ESKEL_VOLUME_NRRD   /* gzip-encoded voxels attached, space RAS */
+} eskel_volume_format;
+
+typedef struct eskel_volume_writer eskel_volume_writer;
+
+/* Borrows the cloud. ESKEL_UNSUPPORTED for weights, which no label map holds, and for label 0. */
+ESKEL_API eskel_status eskel_volume_writer_new(const eskel_cloud *cloud, int32_t label, eskel_volume_format format,
+	eskel_volume_writer **writer);
+ESKEL_API void eskel_volume_writer_free(eskel_volume_writer *writer);
+/* Writes the next bytes, at most capacity, which is not 0; returns how many, 0 after the last. */
+ESKEL_API size_t eskel_volume_writer_next(eskel_volume_writer *writer, void *bytes, size_t capacity);
+
 /* ---------------------------------------------------------------------------------------------- skeleton */
 
 #define ESKEL_LEVELS_MAX 64
