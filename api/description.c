@@ -48,10 +48,13 @@ bool esk_description_of_label(
 	char plain[ESK_TEXT_MOST + 1];
 	const esk_label_words none = {.label = label}, *found = esk_parameters_words(query, label);
 	const esk_label_words *words = found ? found : &none;
-	const char *name = words->name ? words->name : query->name ? query->name : plain_name(name_in_file, plain);
+	const char *name = words->name      ? words->name
+			   : query->name    ? query->name
+			   : query->as_said ? NULL
+					    : plain_name(name_in_file, plain);
 	char class_of_name[ESK_TEXT_MOST + 1] = "";
 	eskel_side side_of_name = ESKEL_SIDE_UNKNOWN;
-	if (name)
+	if (name && !query->as_said)
 		esk_label_split(name, class_of_name, &side_of_name);
 	const char *class = words->class[0] ? words->class : query->class[0] ? query->class : class_of_name;
 	description->side = words->side ? words->side : query->side ? query->side : side_of_name;

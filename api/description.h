@@ -5,7 +5,7 @@
 #include "parameters.h"
 
 /* What a query says of one label. Without a name there, the label has the one that its file gives it (NULL: none). Where
- * the query gives no class or no side, the name may (esk_label_split). The description must be clear
+ * the query gives no class or no side, the name may (esk_label_split). Where it says as_said, neither file nor name tells. The description must be clear
  * (eskel_description_clear); false when memory ran out. */
 bool esk_description_of_label(
 	const esk_parameters *query, int32_t label, const char *name_in_file, eskel_description *description);

@@ -20,7 +20,8 @@ typedef struct {
 	eskel_enrollment *enrollments; /* [analysed_count], as the next two */
 	eskel_shape *enrolled;
 	bool *created;
-	bool done, any_created;
+	bool done;
+	size_t created_count;
 } enrolling;
 
 static bool make_room(enrolling *work)
@@ -115,7 +116,6 @@ static bool add_to_library(eskel_exchange *exchange, enrolling *work)
 	for (size_t i = 0; i < work->analysed_count; i++) {
 		if (!work->created[i])
 			continue;
-		work->any_created = true;
 		eskel_status status = eskel_library_add(
 			exchange->api->library, work->enrolled[i].key, work->enrollments[i].signature);
 		if (status != ESKEL_OK) {
@@ -123,6 +123,7 @@ static bool add_to_library(eskel_exchange *exchange, enrolling *work)
 			return esk_problem_engine(&exchange->problem, status, NULL);
 		}
 		esk_calibration_note(exchange->api->calibration, work->enrolled[i].key);
+		work->created_count++;
 	}
 	return true;
 }
@@ -172,7 +173,9 @@ static bool enroll(eskel_exchange *exchange, enrolling *work)
 	if (work->specimens.count == 1 &&
 		!esk_exchange_add_header(exchange, "Location", "/shapes/%s", work->shapes[0].id))
 		return false;
-	return esk_exchange_answer_json(exchange, work->any_created ? 201 : 200,
+	if (!esk_exchange_add_header(exchange, "Eskel-Added", "%zu", work->created_count))
+		return false;
+	return esk_exchange_answer_json(exchange, work->created_count > 0 ? 201 : 200,
 		json_pack("{s:o}", "shapes", esk_shapes_json(work->shapes, work->specimens.count)));
 }
 

@@ -230,6 +230,8 @@ static const char *const orders[] = {"distance", "position", NULL};
 static const char *const sizes[] = {"fixed", "free", NULL};
 static const char *const left_out[] = {"shape", "subject", NULL};
 static const char *const formats[] = {"json", "csv", "npy", "svg", NULL};
+static const char *const volume_formats[] = {"nifti", "nrrd", NULL};
+static const char *const signature_formats[] = {"json", "csv", NULL};
 static const char *const plots[] = {"heatmap", "map", NULL};
 static const char *const everything[] = {"all", NULL};
 static const char *const answers[] = {"false", "true", NULL};
@@ -241,6 +243,7 @@ static const struct parameter parameters[] = {
 	{.name = "age", .take = take_years, FIELD(age)},
 	{.name = "age_max", .take = take_years, FIELD(age_max)},
 	{.name = "age_min", .take = take_years, FIELD(age_min)},
+	{.name = "as_said", .take = take_choice, FIELD(as_said), .choices = answers},
 	{.name = "attr.KEY", .take = take_attribute},
 	{.name = "class", .take = take_class, FIELD(class)},
 	{.name = "columns", .take = take_columns, .choices = everything},
@@ -248,6 +251,8 @@ static const struct parameter parameters[] = {
 	{.name = "distance", .take = take_choice, FIELD(distance), .choices = distances},
 	{.name = "explain", .take = take_choice, FIELD(explain), .choices = answers},
 	{.name = "format", .take = take_choice, FIELD(format), .choices = formats},
+	{.name = "format/signature", .take = take_choice, FIELD(format), .choices = signature_formats},
+	{.name = "format/volume", .take = take_choice, FIELD(volume_format), .choices = volume_formats},
 	{.name = "id", .take = take_ids},
 	{.name = "keep", .take = take_share, FIELD(keep)},
 	{.name = "label", .take = take_label, .repeatable = true},
@@ -283,7 +288,7 @@ static bool name_fits(const char *pattern, const char *name)
 	if (key)
 		return strncmp(name, pattern, (size_t)(key - pattern)) == 0;
 	if (strncmp(pattern, "label.N.", 8) != 0)
-		return strcmp(pattern, name) == 0;
+		return strlen(name) == strcspn(pattern, "/") && strncmp(pattern, name, strlen(name)) == 0;
 	if (strncmp(name, "label.", 6) != 0)
 		return false;
 	const char *number = name + 6 + (name[6] == '-');
@@ -303,7 +308,8 @@ static bool refuse_name(const char *const *allowed, const char *name, esk_proble
 {
 	char known[600] = "";
 	for (size_t used = 0; *allowed; allowed++, used = strlen(known))
-		snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", *allowed);
+		snprintf(known + used, sizeof known - used, "%s%.*s", used ? ", " : "", (int)strcspn(*allowed, "/"),
+			*allowed);
 	if (!known[0])
 		return esk_problem_set(problem, 400, "there is no query parameter \"%.60s\", expected none here", name);
 	return esk_problem_set(problem, 400, "there is no query parameter \"%.60s\" here, expected %s", name, known);

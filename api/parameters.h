@@ -46,15 +46,17 @@ typedef struct esk_parameters {
 	unsigned mode, scale, signature, distance, metric, size; /* of the enums of eskel.h */
 	unsigned order;                                          /* ESK_ORDER_... */
 	unsigned format;                                         /* ESK_FORMAT_... */
+	unsigned volume_format;                                  /* eskel_volume_format */
 	unsigned plot;                                           /* ESK_PLOT_... */
 	unsigned explain;
-	unsigned leave_out; /* ESK_LEAVE_OUT_... (evaluation.h) */
+	unsigned as_said;               /* names tell nothing */
+	unsigned leave_out;             /* ESK_LEAVE_OUT_... (evaluation.h) */
 	struct esk_parameters *columns; /* what columns.NAME says, as NAME does here; NULL: nothing */
 	bool all;                       /* of columns: columns=all was given */
 } esk_parameters;
 
-/* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families, and a name
- * after "columns." is one of the parameters of columns. A name
+/* allowed: NULL-terminated names as in the route table; attr.KEY and label.N.name stand for their families, a name
+ * after "columns." is one of the parameters of columns, and what stands after a slash tells parameters of one name apart. A name
  * that is not allowed is refused with those that are, a value out of its range with the range, a second value of a
  * parameter that takes one. The query must be clear (all zero) before; clear it also after a failure. */
 bool esk_parameters_parse(esk_parameters *query, const char *const *allowed, const eskel_field *fields, size_t count,

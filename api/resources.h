@@ -13,6 +13,7 @@ bool esk_shape_patch(eskel_exchange *exchange);
 bool esk_shape_delete(eskel_exchange *exchange);
 bool esk_skeleton_get(eskel_exchange *exchange);    /* skeleton.c */
 bool esk_signature_get(eskel_exchange *exchange);   /* signature.c */
+bool esk_volume_get(eskel_exchange *exchange);      /* volume.c */
 bool esk_recognize_check(eskel_exchange *exchange); /* recognize.c */
 bool esk_recognize_shape(eskel_exchange *exchange);
 bool esk_recognize_volume(eskel_exchange *exchange);
@@ -28,7 +29,7 @@ bool esk_jobs_get(eskel_exchange *exchange);
 bool esk_job_get(eskel_exchange *exchange);
 bool esk_job_delete(eskel_exchange *exchange);
 bool esk_job_get_result(eskel_exchange *exchange);
-bool esk_health_live(eskel_exchange *exchange);    /* health.c */
+bool esk_health_live(eskel_exchange *exchange); /* health.c */
 bool esk_health_ready(eskel_exchange *exchange);
 bool esk_openapi_get(eskel_exchange *exchange); /* openapi.c */
 

@@ -14,8 +14,10 @@
 
 static const char *const nothing[] = {NULL};
 static const char *const list[] = {FILTER, "limit", "cursor", NULL};
-static const char *const enroll[] = {VOLUME, "class", "side", "subject", "age", "sex", "attr.KEY", "levels", NULL};
-static const char *const signature[] = {"level", NULL};
+static const char *const enroll[] = {
+	VOLUME, "class", "side", "subject", "age", "sex", "attr.KEY", "levels", "as_said", NULL};
+static const char *const signature[] = {"level", "format/signature", NULL};
+static const char *const volume[] = {"format/volume", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {VOLUME, SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
@@ -52,6 +54,7 @@ static const esk_route routes[] = {
 	{"/shapes/{id}", "DELETE", WRITE, ESK_BODY_NONE, true, nothing, NULL, esk_shape_delete},
 	{"/shapes/{id}/signature", "GET", READ, ESK_BODY_NONE, false, signature, NULL, esk_signature_get},
 	{"/shapes/{id}/skeleton", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_skeleton_get},
+	{"/shapes/{id}/volume", "GET", READ, ESK_BODY_NONE, true, volume, NULL, esk_volume_get},
 };
 
 #define ROUTE_COUNT (sizeof routes / sizeof *routes)

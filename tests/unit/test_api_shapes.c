@@ -6,6 +6,7 @@
 
 #include "api/client.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -114,6 +115,84 @@ static void bytes_may_come_in_any_pieces(void **state)
 		answer_free(&a);
 	}
 	volume_free(&file);
+}
+
+static void a_shape_that_is_posted_as_said_learns_nothing_from_names(void **state)
+{
+	api_fixture *f = *state;
+	volume_file file = segmentation();
+	answer a = post_volume(f->api, &file, "/shapes?label=1&label=2&as_said=true&label.2.name=left%%20cuboid");
+	assert_status(&a, 201);
+	assert_null(text_at(&a, "shapes.0.name"));
+	assert_null(text_at(&a, "shapes.0.class"));
+	assert_null(text_at(&a, "shapes.0.side"));
+	assert_string_equal(text_at(&a, "shapes.1.name"), "left cuboid");
+	assert_null(text_at(&a, "shapes.1.class"));
+	assert_null(text_at(&a, "shapes.1.side"));
+	answer_free(&a);
+	volume_free(&file);
+}
+
+/* Deletes the shape, posts what its volume was answered as, and expects the same shape. */
+static void assert_comes_back(eskel_api *api, const char *id, const char *format, const char *type)
+{
+	answer before = get(api, "/shapes/%s", id), file = get(api, "/shapes/%s/volume%s", id, format);
+	assert_status(&file, 200);
+	assert_string_equal(file.type, type);
+	assert_true(file.streamed);
+	char target[64];
+	snprintf(target, sizeof target, "/shapes/%s", id);
+	answer gone = ask(api, &(question){.method = "DELETE", .target = target});
+	assert_status(&gone, 204);
+	const volume_file bytes = {(uint8_t *)file.body, file.size};
+	answer back = post_volume(api, &bytes, "/shapes?levels=5");
+	assert_status(&back, 201);
+	assert_string_equal(text_at(&back, "shapes.0.id"), id);
+	assert_int_equal(json_array_size(at(&back, "shapes.0.warnings")), 0);
+	static const char *const same[] = {"label", "voxels", "volume_mm3", "centre_mm", "levels", "sha256"};
+	for (size_t i = 0; i < sizeof same / sizeof *same; i++)
+		assert_true(json_equal(json_object_get(before.json, same[i]),
+			json_object_get(json_array_get(at(&back, "shapes"), 0), same[i])));
+	answer_free(&before);
+	answer_free(&file);
+	answer_free(&gone);
+	answer_free(&back);
+}
+
+static void a_volume_that_is_posted_again_is_the_same_shape(void **state)
+{
+	api_fixture *f = *state;
+	char id[ESKEL_ID_SIZE];
+	enroll_blob(f->api, 3, 1, 0, "levels=5", id);
+	assert_comes_back(f->api, id, "", "application/gzip");
+	assert_comes_back(f->api, id, "?format=nifti", "application/gzip");
+	assert_comes_back(f->api, id, "?format=nrrd", "application/octet-stream");
+	answer none = get(f->api, "/shapes/00000000000000000000000000000000/volume");
+	assert_says(&none, 404, "there is no shape 00000000000000000000000000000000");
+	answer_free(&none);
+}
+
+static void a_signature_as_csv_has_a_row_a_class_of_every_level(void **state)
+{
+	api_fixture *f = *state;
+	char id[ESKEL_ID_SIZE], start[80];
+	enroll_blob(f->api, 3, 1, 0, "levels=4", id);
+	answer all = get(f->api, "/shapes/%s/signature?format=csv", id);
+	answer one = get(f->api, "/shapes/%s/signature?format=csv&level=1", id);
+	answer json = get(f->api, "/shapes/%s/signature?level=1", id);
+	assert_status(&all, 200);
+	assert_string_equal(all.type, "text/csv; charset=utf-8");
+	size_t lines = 0;
+	for (const char *c = all.body; (c = strchr(c, '\n')); c++)
+		lines++;
+	assert_int_equal(lines, 1 + 1 + 2 + 3 + 4);
+	snprintf(start, sizeof start, "\r\n%s,1,0,%.9g,", id,
+		json_real_value(json_array_get(json_array_get(at(&json, "rows"), 0), 0)));
+	assert_non_null(strstr(one.body, start));
+	assert_memory_equal(all.body, one.body, one.size);
+	answer_free(&all);
+	answer_free(&one);
+	answer_free(&json);
 }
 
 /* Labels 1, 2 and 5, the last touching the border. */
@@ -518,6 +597,9 @@ int main(void)
 		api_test(an_enrolled_shape_is_answered_in_full),
 		api_test(the_same_object_again_is_the_same_shape),
 		api_test(a_label_has_the_name_that_its_file_gives_it_unless_another_is_said),
+		api_test(a_shape_that_is_posted_as_said_learns_nothing_from_names),
+		api_test(a_volume_that_is_posted_again_is_the_same_shape),
+		api_test(a_signature_as_csv_has_a_row_a_class_of_every_level),
 		api_test(bytes_may_come_in_any_pieces),
 		api_test(every_label_becomes_a_shape_with_its_own_words),
 		api_test(only_the_labels_asked_for_are_enrolled),
