@@ -5,16 +5,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENROLL = 1, RECOGNIZE = 2, DISTANCES = 4, SHOW = 8, SKELETON = 16, EVALUATE = 32, CHECK = 64 };
 enum {
-	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK,
+	ENROLL = 1,
+	RECOGNIZE = 2,
+	DISTANCES = 4,
+	SHOW = 8,
+	SKELETON = 16,
+	EVALUATE = 32,
+	CHECK = 64,
+	EXPORT = 128,
+	IMPORT = 256
+};
+enum {
+	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK | EXPORT | IMPORT,
 	SERVED = ALL & ~SKELETON,
-	FILTERED = SERVED & ~ENROLL,
+	FILTERED = SERVED & ~(ENROLL | IMPORT),
 	COMPARED = RECOGNIZE | CHECK | DISTANCES | EVALUATE
 };
 
 static const esk_command commands[] = {
-	{"enroll", "FILE...", "store the labelled objects of volumes", 1, SIZE_MAX, ENROLL, esk_command_enroll},
+	{"enroll", "FILE|DIR...", "store the labelled objects of volumes", 1, SIZE_MAX, ENROLL, esk_command_enroll},
 	{"recognize", "FILE|ID...", "say what objects are, and on which side", 1, SIZE_MAX, RECOGNIZE,
 		esk_command_recognize},
 	{"check", "FILE...", "look for wrong labels and bad segmentations in label maps", 1, SIZE_MAX, CHECK,
@@ -23,6 +33,8 @@ static const esk_command commands[] = {
 	{"evaluate", "", "how well distances find classes and sides among stored shapes", 0, 0, EVALUATE,
 		esk_command_evaluate},
 	{"show", "[ID]", "list shapes, or show one", 0, 1, SHOW, esk_command_show},
+	{"export", "DIR", "write the library: tables, and a volume a shape", 1, 1, EXPORT, esk_command_export},
+	{"import", "DIR", "store what an export wrote", 1, 1, IMPORT, esk_command_import},
 	{"skeleton", "FILE", "the skeletons of a volume's objects, without a server", 1, 1, SKELETON,
 		esk_command_skeleton},
 };
@@ -51,6 +63,13 @@ static const esk_option options[] = {
 	{"sex", "SEX", ENROLL, "sex", "the subject's sex: female or male"},
 	{"attr", "KEY=VALUE", ENROLL, "attr.", "anything else; may be repeated"},
 	{"levels", "K", ENROLL | SKELETON, "levels", "depth of the skeleton, 1 to 64 (16)"},
+
+	{"manifest", "TABLE", ENROLL, NULL,
+		"which files of DIR, and what they are: CSV with the columns path, label, name, class, side, subject, "
+		"age, sex, levels, attr.KEY; default: DIR/manifest.csv, if it has a path, or else every volume in DIR"},
+	{"parallel", "N", ENROLL | IMPORT, NULL, "files under way at once, 1 to 64 (4)"},
+	{"refused", "FILE", ENROLL | IMPORT, NULL, "also write what was refused: CSV with the columns path, reason"},
+	{"format", "FORMAT", EXPORT, NULL, "of the volumes: nifti (default) or nrrd"},
 
 	{"limit", "N", RECOGNIZE, "limit", "neighbours (5)"},
 	{"mode", "MODE", RECOGNIZE | CHECK, "mode", "exact (default) or pruned"},

@@ -2,6 +2,7 @@
 
 #include <curl/curl.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@ struct esk_client {
 	char *server;
 	esk_progress *progress;
 	uint64_t rows; /* of the answer, that came so far */
+	char complaint[512];
 };
 
 /* Where the body of an answer goes. */
@@ -27,6 +29,23 @@ typedef struct {
 
 static const long connect_seconds = 10;
 enum { longest_token = 512 };
+
+static esk_outcome complain(esk_client *client, esk_outcome outcome, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+
+static esk_outcome complain(esk_client *client, esk_outcome outcome, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(client->complaint, sizeof client->complaint, format, arguments);
+	va_end(arguments);
+	return client->progress ? esk_complain(outcome, "%s", client->complaint) : outcome;
+}
+
+const char *esk_client_complaint(const esk_client *client)
+{
+	return client->complaint;
+}
 
 /* The first line of the file, of printable ASCII. */
 static esk_outcome read_token(const char *path, char token[longest_token])
@@ -74,6 +93,8 @@ static int report_progress(void *context, curl_off_t down_total, curl_off_t down
 {
 	esk_client *client = context;
 	struct curl_header *header;
+	if (!client->progress)
+		return 0;
 	if (client->rows > 0 && !curl_easy_header(client->curl, "Eskel-Rows", 0, CURLH_HEADER, -1, &header)) {
 		const uint64_t total = strtoull(header->value, NULL, 10);
 		const double share = down_total > 0 ? (double)down / (double)down_total : 0;
@@ -117,7 +138,8 @@ esk_outcome esk_client_new(const char *server, const char *token_file, esk_progr
 	esk_outcome outcome = ESK_DONE;
 	if (made)
 		*made = (esk_client){curl_easy_init(),
-			curl_slist_append(NULL, "Content-Type: application/octet-stream"), strdup(server), progress, 0};
+			curl_slist_append(NULL, "Content-Type: application/octet-stream"), strdup(server), progress, 0,
+			""};
 	/* "http://host/" and "http://host" are the same server. */
 	for (size_t n = made && made->server ? strlen(made->server) : 0; n > 0 && made->server[n - 1] == '/'; n--)
 		made->server[n - 1] = '\0';
@@ -161,15 +183,16 @@ static int seek_file(void *file, curl_off_t offset, int origin)
 }
 
 /* A file's size is announced; what is no file (a pipe) is sent in chunks. */
-static esk_outcome prepare_upload(CURL *curl, const char *path, FILE **file)
+static esk_outcome prepare_upload(esk_client *client, const char *path, FILE **file)
 {
 	struct stat status;
+	CURL *curl = client->curl;
 	FILE *opened = fopen(path, "re");
 	if (!opened)
-		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+		return complain(client, ESK_MISUSED, "%s: %s", path, strerror(errno));
 	if (fstat(fileno(opened), &status) || S_ISDIR(status.st_mode)) {
 		fclose(opened);
-		return esk_complain(ESK_MISUSED, "%s: it is not a file", path);
+		return complain(client, ESK_MISUSED, "%s: it is not a file", path);
 	}
 	curl_easy_setopt(curl, CURLOPT_UPLOAD, 1L);
 	curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, "POST");
@@ -188,14 +211,15 @@ static void prepare_download(CURL *curl)
 	curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
 }
 
-static esk_outcome explain(const esk_client *client, const sink *s, const char *reason)
+static esk_outcome explain(esk_client *client, const sink *s, const char *reason)
 {
 	const char *path = s->path ? s->path : "standard output";
 	if (s->error)
-		return esk_complain(ESK_REFUSED, "%s: %s", path, strerror(s->error));
+		return complain(client, ESK_REFUSED, "%s: %s", path, strerror(s->error));
 	if (s->file)
-		return esk_complain(ESK_UNREACHABLE, "%s is not whole: %s broke off: %s", path, client->server, reason);
-	return esk_complain(ESK_UNREACHABLE, "%s does not answer: %s", client->server, reason);
+		return complain(
+			client, ESK_UNREACHABLE, "%s is not whole: %s broke off: %s", path, client->server, reason);
+	return complain(client, ESK_UNREACHABLE, "%s does not answer: %s", client->server, reason);
 }
 
 static esk_outcome perform(esk_client *client, const esk_request *request, sink *s)
@@ -203,7 +227,7 @@ static esk_outcome perform(esk_client *client, const esk_request *request, sink 
 	char *url = NULL, reason[CURL_ERROR_SIZE] = "";
 	const char *query = request->query[0] ? request->query + 1 : "";
 	if (asprintf(&url, "%s%s%s%s", client->server, request->path, *query ? "?" : "", query) < 0)
-		return esk_complain(ESK_REFUSED, "memory ran out");
+		return complain(client, ESK_REFUSED, "memory ran out");
 	client->rows = 0;
 	curl_easy_setopt(client->curl, CURLOPT_URL, url);
 	curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, request->file ? client->headers : NULL);
@@ -211,9 +235,17 @@ static esk_outcome perform(esk_client *client, const esk_request *request, sink 
 	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, reason);
 	CURLcode code = curl_easy_perform(client->curl);
 	curl_easy_setopt(client->curl, CURLOPT_ERRORBUFFER, NULL);
-	esk_progress_end(client->progress, !code);
+	if (client->progress)
+		esk_progress_end(client->progress, !code);
 	free(url);
 	return code ? explain(client, s, *reason ? reason : curl_easy_strerror(code)) : ESK_DONE;
+}
+
+/* 0 without the header. */
+static long header_number(CURL *curl, const char *name)
+{
+	struct curl_header *header;
+	return curl_easy_header(curl, name, 0, CURLH_HEADER, -1, &header) ? 0 : strtol(header->value, NULL, 10);
 }
 
 /* Sends the request and takes the answer's body where the sink says. */
@@ -224,10 +256,10 @@ static esk_outcome transfer(esk_client *client, const esk_request *request, sink
 	s->client = client;
 	s->body = open_memstream(&got.body, &got.size);
 	if (!s->body)
-		return esk_complain(ESK_REFUSED, "memory ran out");
+		return complain(client, ESK_REFUSED, "memory ran out");
 	esk_outcome outcome = ESK_DONE;
 	if (request->file)
-		outcome = prepare_upload(client->curl, request->file, &file);
+		outcome = prepare_upload(client, request->file, &file);
 	else
 		prepare_download(client->curl);
 	if (!outcome)
@@ -235,12 +267,14 @@ static esk_outcome transfer(esk_client *client, const esk_request *request, sink
 	if (file)
 		fclose(file);
 	if (fclose(s->body) && !outcome)
-		outcome = esk_complain(ESK_REFUSED, "memory ran out");
+		outcome = complain(client, ESK_REFUSED, "memory ran out");
 	if (outcome) {
 		free(got.body);
 		return outcome;
 	}
 	curl_easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &got.status);
+	got.retry_after = header_number(client->curl, "Retry-After");
+	got.added = (size_t)header_number(client->curl, "Eskel-Added");
 	*answer = got;
 	return ESK_DONE;
 }
@@ -257,7 +291,7 @@ esk_outcome esk_client_download(esk_client *client, const esk_request *request, 
 	esk_answer got = {0};
 	esk_outcome outcome = transfer(client, request, &s, &got);
 	if (s.file && s.file != stdout && fclose(s.file) && !outcome)
-		outcome = esk_complain(ESK_REFUSED, "%s: %s", path, strerror(errno));
+		outcome = complain(client, ESK_REFUSED, "%s: %s", path, strerror(errno));
 	if (outcome)
 		free(got.body);
 	else

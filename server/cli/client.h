@@ -10,9 +10,13 @@
 typedef struct esk_client esk_client;
 
 /* server: a URL with or without a path; token_file: its first line is the bearer token, NULL for none. The strings are
- * copied, the progress is borrowed. */
+ * copied, the progress is borrowed. Without progress (NULL) the client is one of several that work at once: what goes wrong
+ * while it sends is no complaint but is told by esk_client_complaint. */
 esk_outcome esk_client_new(const char *server, const char *token_file, esk_progress *progress, esk_client **client);
 void esk_client_free(esk_client *client);
+
+/* Of the last request that failed. */
+const char *esk_client_complaint(const esk_client *client);
 
 typedef struct {
 	const char *path;  /* "/shapes" */
@@ -24,6 +28,8 @@ typedef struct {
 	long status;
 	char *body; /* NUL-terminated; free() it */
 	size_t size;
+	long retry_after; /* seconds; 0: not said */
+	size_t added;     /* shapes, says an enrollment */
 } esk_answer;
 
 /* Any HTTP answer is ESK_DONE; ESK_MISUSED for a file that cannot be read, ESK_UNREACHABLE without an answer, both with

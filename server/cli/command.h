@@ -10,6 +10,8 @@ esk_outcome esk_command_check(esk_session *session);
 esk_outcome esk_command_distances(esk_session *session);
 esk_outcome esk_command_evaluate(esk_session *session);
 esk_outcome esk_command_show(esk_session *session);
+esk_outcome esk_command_export(esk_session *session);
+esk_outcome esk_command_import(esk_session *session);
 esk_outcome esk_command_skeleton(esk_session *session);
 
 #endif

@@ -6,22 +6,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t most_bytes = (size_t)16 << 20;
+static const size_t most_bytes = (size_t)1 << 30, first_bytes = (size_t)1 << 16;
+
+/* All of the file, with room for one byte more, or most_bytes of it. */
+static esk_outcome read_all(const char *path, FILE *file, char **text, size_t *size)
+{
+	size_t capacity = first_bytes, read;
+	*size = 0;
+	do {
+		char *grown = realloc(*text, capacity + 1);
+		if (!grown)
+			return esk_complain(ESK_REFUSED, "memory ran out");
+		*text = grown;
+		read = fread(*text + *size, 1, capacity - *size, file);
+		*size += read;
+		capacity *= 2;
+	} while (read > 0 && *size < most_bytes);
+	return ferror(file) ? esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno)) : ESK_DONE;
+}
 
 esk_outcome esk_csv_open(const char *path, esk_csv *csv)
 {
 	FILE *file = fopen(path, "re");
-	char *text = malloc(most_bytes + 1);
-	esk_outcome outcome = ESK_DONE;
-	if (!file || !text) {
-		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
-		goto cleanup;
-	}
-	size_t size = fread(text, 1, most_bytes, file);
-	if (ferror(file))
-		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
-	else if (size == most_bytes || memchr(text, 0, size))
-		outcome = esk_complain(ESK_MISUSED, "%s: it is not a table of text below 16 MiB", path);
+	char *text = NULL;
+	size_t size = 0;
+	if (!file)
+		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
+	esk_outcome outcome = read_all(path, file, &text, &size);
+	if (!outcome && (size >= most_bytes || memchr(text, 0, size)))
+		outcome = esk_complain(ESK_MISUSED, "%s: it is not a table of text below 1 GiB", path);
 	if (outcome)
 		goto cleanup;
 	text[size] = '\0';
@@ -31,8 +44,7 @@ esk_outcome esk_csv_open(const char *path, esk_csv *csv)
 	text = NULL;
 cleanup:
 	free(text);
-	if (file)
-		fclose(file);
+	fclose(file);
 	return outcome;
 }
 
@@ -103,7 +115,7 @@ esk_outcome esk_csv_read_line(esk_csv *csv, const char *fields[ESK_CSV_MOST_COLU
 	while (kind == FIELD) {
 		csv->column = (unsigned)read + 1;
 		if (read == ESK_CSV_MOST_COLUMNS) {
-			wrong(csv, "there are more than 64 columns");
+			wrong(csv, "there are more than 4096 columns");
 			return ESK_MISUSED;
 		}
 		kind = *csv->next == '"' ? read_quoted(csv, &fields[read]) : read_plain(csv, &fields[read]);
@@ -113,4 +125,19 @@ esk_outcome esk_csv_read_line(esk_csv *csv, const char *fields[ESK_CSV_MOST_COLU
 		return ESK_MISUSED;
 	*count = read == 1 && !*fields[0] ? 0 : read;
 	return ESK_DONE;
+}
+
+void esk_csv_write_field(const char *text, FILE *out)
+{
+	if (!strpbrk(text, ",\"\r\n")) {
+		fputs(text, out);
+		return;
+	}
+	fputc('"', out);
+	for (; *text; text++) {
+		if (*text == '"')
+			fputc('"', out);
+		fputc(*text, out);
+	}
+	fputc('"', out);
 }

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 enum { bar_width = 20, name_width = 32 };
-static const double redraw_seconds = 0.1;
+static const double redraw_seconds = 0.1, line_seconds = 10;
 
 static double seconds_since(const struct timespec *then)
 {
@@ -77,15 +77,23 @@ void esk_progress_sent(esk_progress *progress, uint64_t sent, uint64_t total)
 	draw(progress, total > 0 ? (double)sent / (double)total : 0, doing);
 }
 
+/* "3.1 a second, 20 s left" */
+static void describe_rate(char *text, size_t size, double rate, double seconds_left)
+{
+	const bool minutes = seconds_left >= 100;
+	snprintf(text, size, "%.3g a second, %.0f %s left", rate, minutes ? seconds_left / 60 : seconds_left,
+		minutes ? "min" : "s");
+}
+
 void esk_progress_received(esk_progress *progress, uint64_t rows, uint64_t total)
 {
 	if (!wants_drawing(progress) || rows == 0 || total == 0)
 		return;
-	char doing[96];
-	const double seconds = seconds_since(&progress->started), rate = (double)rows / seconds;
-	const double left = rows < total ? (double)(total - rows) / rate : 0;
-	snprintf(doing, sizeof doing, "%llu of %llu rows, %.3g a second, %.0f %s left", (unsigned long long)rows,
-		(unsigned long long)total, rate, left < 100 ? left : left / 60, left < 100 ? "s" : "min");
+	char doing[128], pace[64];
+	const double rate = (double)rows / seconds_since(&progress->started);
+	describe_rate(pace, sizeof pace, rate, rows < total ? (double)(total - rows) / rate : 0);
+	snprintf(doing, sizeof doing, "%llu of %llu rows, %s", (unsigned long long)rows, (unsigned long long)total,
+		pace);
 	draw(progress, (double)rows / (double)total, doing);
 }
 
@@ -96,6 +104,24 @@ void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t tota
 	char doing[64];
 	snprintf(doing, sizeof doing, "level %u of %u", steps, total);
 	draw(progress, total > 0 ? (double)steps / (double)total : 0, doing);
+}
+
+void esk_progress_counted(esk_progress *progress, size_t done, double share)
+{
+	const double seconds = seconds_since(&progress->started);
+	const double interval = progress->terminal ? redraw_seconds : line_seconds;
+	if (progress->quiet || done == 0 || share <= 0 || seconds < interval ||
+		seconds_since(&progress->drawn) < interval)
+		return;
+	char doing[96];
+	describe_rate(doing, sizeof doing, (double)done / seconds, seconds * (1 - share) / share);
+	if (progress->terminal) {
+		progress->item = done;
+		draw(progress, 1, doing);
+		return;
+	}
+	fprintf(stderr, "%zu of %zu, %s\n", done, progress->items, doing);
+	clock_gettime(CLOCK_MONOTONIC, &progress->drawn);
 }
 
 void esk_progress_end(esk_progress *progress, bool done)

@@ -30,6 +30,9 @@ void esk_progress_received(esk_progress *progress, uint64_t rows, uint64_t total
 /* So many of the item's steps are computed here. */
 void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t total);
 
+/* So many of the items are done, which took the given share of the work. Away from a terminal a line every 10 seconds. */
+void esk_progress_counted(esk_progress *progress, size_t done, double share);
+
 /* The item has ended, done or given up: what is printed next starts on a clean line. */
 void esk_progress_end(esk_progress *progress, bool done);
 

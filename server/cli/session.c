@@ -30,11 +30,21 @@ static const char *setting(
 	return value && *value ? value : otherwise;
 }
 
+static esk_outcome connect_client(const esk_arguments *arguments, esk_progress *progress, esk_client **client)
+{
+	const char *server = setting(arguments, "server", "ESKEL_SERVER", ESK_DEFAULT_SERVER);
+	const char *token_file = setting(arguments, "token-file", "ESKEL_TOKEN_FILE", NULL);
+	return esk_client_new(server, token_file, progress, client);
+}
+
 esk_outcome esk_session_connect(esk_session *session)
 {
-	const char *server = setting(session->arguments, "server", "ESKEL_SERVER", ESK_DEFAULT_SERVER);
-	const char *token_file = setting(session->arguments, "token-file", "ESKEL_TOKEN_FILE", NULL);
-	return esk_client_new(server, token_file, &session->progress, &session->client);
+	return connect_client(session->arguments, &session->progress, &session->client);
+}
+
+esk_outcome esk_session_new_client(const esk_session *session, esk_client **client)
+{
+	return connect_client(session->arguments, NULL, client);
 }
 
 /* https://no-color.org */

@@ -24,6 +24,9 @@ struct esk_session {
 esk_outcome esk_session_open(esk_session *session, eskel_report_kind kind);
 esk_outcome esk_session_connect(esk_session *session);
 
+/* A further client of the same server, without progress. */
+esk_outcome esk_session_new_client(const esk_session *session, esk_client **client);
+
 /* Prints the report and frees what the session holds; returns the outcome, or a worse one. */
 esk_outcome esk_session_close(esk_session *session, esk_outcome outcome);
 

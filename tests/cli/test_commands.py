@@ -93,7 +93,7 @@ class Commands(Served):
                 self.assert_run(self.eskel(*arguments), 1, said)
 
     def test_a_folder_is_no_volume(self):
-        self.assert_run(self.eskel("enroll", self.folder), 2, "it is not a file")
+        self.assert_run(self.eskel("recognize", self.folder), 2, "it is not a file")
 
     def test_a_volume_can_come_through_a_pipe(self):
         with subprocess.Popen(["cat", self.volume], stdout=subprocess.PIPE) as cat:

@@ -29,7 +29,7 @@ class Usage(Folder):
     def test_wrong_usage_is_told_in_one_line(self):
         for arguments, said in (
             (["enrol"], "enrol is not a command"),
-            (["enroll"], "eskel enroll takes FILE..., 0 given"),
+            (["enroll"], "eskel enroll takes FILE|DIR..., 0 given"),
             (["evaluate", "a"], "eskel evaluate takes no operand, 1 given"),
             (["evaluate", "--html", "/nonexistent/page.html"], "/nonexistent/page.html: No such file"),
             (["show", "a", "b"], "eskel show takes [ID], 2 given"),
@@ -87,7 +87,7 @@ class Tables(Folder):
             ('label,name\n1,"a\nb"\nx,c\n', "line 4, column 1 (label)"),
             ('la"bel\n', "line 1, column 1: a quote stands inside a field"),
             ("label,name\r1,a\r", "line 1, column 2: expected a comma or the line's end"),
-            (",".join(["c"] * 65), "line 1, column 65: there are more than 64 columns"),
+            (",".join(["c"] * 4097), "line 1, column 4097: there are more than 4096 columns"),
             (b"label\n1\0\n", "it is not a table of text"),
             ("index\tname\n1\ta\tb\n", "line 2, column 3: 3 fields, expected 2 as in the header"),
             ("index\tname\n1\t\"a\"b\n", "line 2, column 2: expected a tab or the line's end"),
