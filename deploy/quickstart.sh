@@ -61,11 +61,11 @@ echo "$(grep -c ' AAL ' "$folder/aal.txt") regions"
 bones=../shared/data
 if [ -f "$bones/manifest.csv" ]; then
 	echo "Storing the bones of $bones"
-	tail -n +2 "$bones/manifest.csv" | while IFS=, read -r file _ subject sex age class side _; do
-		eskel enroll "$bones/$file" --quiet --name "${subject}_${class}_$side" --class "$class" --side "$side" \
-			--subject "$subject" ${sex:+--sex "$sex"} ${age:+--age "$age"}
-	done >"$folder/bones.txt"
-	echo "$(grep -c '^[0-9a-f]\{32\}' "$folder/bones.txt") bones"
+	awk -F, 'BEGIN { print "path,name,class,side,subject,sex,age" }
+		NR > 1 { print $1 "," $3 "_" $6 "_" $7 "," $6 "," $7 "," $3 "," $4 "," $5 }' "$bones/manifest.csv" \
+		>"$folder/bones.csv"
+	eskel enroll "$bones" --manifest "$folder/bones.csv"
+	eskel show --limit 1000 >"$folder/bones.txt"
 fi
 
 # ---- recognise

@@ -65,8 +65,8 @@ static const esk_option options[] = {
 	{"levels", "K", ENROLL | SKELETON, "levels", "depth of the skeleton, 1 to 64 (16)"},
 
 	{"manifest", "TABLE", ENROLL, NULL,
-		"which files of DIR, and what they are: CSV with the columns path, label, name, class, side, subject, "
-		"age, sex, levels, attr.KEY; default: DIR/manifest.csv, if it has a path, or else every volume in DIR"},
+		"the files of DIR: CSV with the columns path, label, name, class, side, subject, age, sex, levels, "
+		"attr.KEY (DIR/manifest.csv, or else all)"},
 	{"parallel", "N", ENROLL | IMPORT, NULL, "files under way at once, 1 to 64 (4)"},
 	{"refused", "FILE", ENROLL | IMPORT, NULL, "also write what was refused: CSV with the columns path, reason"},
 	{"format", "FORMAT", EXPORT, NULL, "of the volumes: nifti (default) or nrrd"},

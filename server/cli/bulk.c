@@ -280,7 +280,7 @@ esk_outcome esk_bulk_post(esk_session *session, esk_bulk *bulk)
 	for (size_t i = 0; i < bulk->postings->count; i++)
 		p.bytes += bulk->postings->items[i].bytes;
 	session->progress.items = bulk->postings->count;
-	esk_progress_next(&session->progress, "");
+	esk_progress_next(&session->progress, "files");
 	pthread_mutex_init(&p.lock, NULL);
 	pthread_cond_init(&p.changed, NULL);
 	catch_interrupt(&before);

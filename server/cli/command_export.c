@@ -313,7 +313,7 @@ static esk_outcome run(export *e)
 	if (!outcome)
 		outcome = make_folders(e);
 	e->session->progress.items = e->count;
-	esk_progress_next(&e->session->progress, "");
+	esk_progress_next(&e->session->progress, "shapes");
 	if (!outcome)
 		outcome = write_all(e);
 	if (!outcome)

@@ -113,9 +113,11 @@ static bool stays_inside(const char *path)
 {
 	if (!*path || *path == '/')
 		return false;
-	for (const char *part = path; part; part = strchr(part, '/'), part += part != NULL)
-		if (!strncmp(part, "..", 2) && (!part[2] || part[2] == '/'))
+	for (size_t size; *path; path += size + (path[size] == '/')) {
+		size = strcspn(path, "/");
+		if (size == 2 && !strncmp(path, "..", 2))
 			return false;
+	}
 	return true;
 }
 

@@ -120,7 +120,7 @@ void esk_progress_counted(esk_progress *progress, size_t done, double share)
 		draw(progress, 1, doing);
 		return;
 	}
-	fprintf(stderr, "%zu of %zu, %s\n", done, progress->items, doing);
+	fprintf(stderr, "%zu of %zu %s, %s\n", done, progress->items, progress->name, doing);
 	clock_gettime(CLOCK_MONOTONIC, &progress->drawn);
 }
 

@@ -95,6 +95,19 @@ class Progress(Folder):
         self.assertEqual(code, 0, written)
         self.assertNotIn("[K", written)
 
+    def test_a_folder_shows_how_many_and_how_long(self):
+        folder = self.path("many")
+        os.mkdir(folder)
+        for number in range(4):
+            write_nifti(os.path.join(folder, f"{number}.nii"), side_by_side(ball(5)))
+        code, written = on_terminal("enroll", folder, "--class", "x", "--parallel", "4", "--name", "slow", "--server", self.url)
+        self.assertEqual(code, 0, written)
+        drawn = re.findall(r"\r\[(#*)\.*\] (\d) of 4  files  [\d.]+ a second, (\d+) s left\x1b\[K", written)
+        self.assertGreater(len(drawn), 3, written)
+        self.assertEqual([len(bar) for bar, _, _ in drawn], [int(done) * 20 // 4 for _, done, _ in drawn])
+        self.assertRegex(written[written.rindex("\r\x1b[K"):], r"\A\r\x1b\[Kfiles   4: ")
+        self.assertEqual(eskel("enroll", folder, "--server", self.url).stderr, "")
+
     def test_without_a_terminal_there_is_a_line_a_file(self):
         run = eskel("enroll", self.volume, self.volume, "--server", self.url)
         self.assertEqual(run.returncode, 0, run.stderr)
