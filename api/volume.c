@@ -49,11 +49,11 @@ static bool open_source(eskel_exchange *exchange, eskel_volume_format format, so
 	eskel_shape_clear(&shape);
 	if (!esk_problem_store(&exchange->problem, status, &error))
 		return false;
-	if (s->cloud->weights)
+	eskel_status written = eskel_volume_writer_new(s->cloud, label, format, &s->writer);
+	if (written == ESKEL_UNSUPPORTED)
 		return esk_problem_set(&exchange->problem, 501,
-			"the voxels of shape %s have weights, which no label map holds", exchange->id);
-	return esk_problem_engine(
-		&exchange->problem, eskel_volume_writer_new(s->cloud, label, format, &s->writer), NULL);
+			"shape %s has weights that no volume would give back when it is read", exchange->id);
+	return esk_problem_engine(&exchange->problem, written, NULL);
 }
 
 bool esk_volume_get(eskel_exchange *exchange)
@@ -63,8 +63,8 @@ bool esk_volume_get(eskel_exchange *exchange)
 	if (!s)
 		return esk_problem_no_memory(&exchange->problem);
 	if (!open_source(exchange, format, s) ||
-		!esk_exchange_add_header(exchange, "Content-Disposition", "attachment; filename=\"%s%s\"", exchange->id,
-			formats[format].suffix)) {
+		!esk_exchange_add_header(exchange, "Content-Disposition", "attachment; filename=\"%s%s%s\"",
+			exchange->id, s->cloud->weights ? ".weights" : "", formats[format].suffix)) {
 		free_source(s);
 		return false;
 	}

@@ -11,6 +11,7 @@
 #include "bytes.h"
 #include "memory.h"
 #include "orientation.h"
+#include "weight_builder.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +63,25 @@ static void choose_affine(eskel_volume_writer *w)
 		*affine = rounded;
 }
 
+/* What a voxel of a run is: the label, or the run's weight. */
+static int32_t value_of(const eskel_volume_writer *w, size_t run)
+{
+	return w->cloud->weights ? (int32_t)w->cloud->weights[run] : w->label;
+}
+
+static unsigned voxel_size(const eskel_volume_writer *w)
+{
+	int32_t least = value_of(w, 0), greatest = least;
+	for (size_t i = 1; w->cloud->weights && i < w->cloud->run_count; i++) {
+		const int32_t value = value_of(w, i);
+		least = value < least ? value : least;
+		greatest = value > greatest ? value : greatest;
+	}
+	if (least >= 0 && greatest <= UINT8_MAX)
+		return 1;
+	return least >= INT16_MIN && greatest <= INT16_MAX ? 2 : 4;
+}
+
 static void choose_grid(eskel_volume_writer *w)
 {
 	w->voxel_count = 1;
@@ -70,9 +90,7 @@ static void choose_grid(eskel_volume_writer *w)
 		w->grid.extent[a] = w->cloud->extent[a] + 2 * w->margin[a];
 		w->voxel_count *= w->grid.extent[a];
 	}
-	w->grid.voxel_size = w->label > 0 && w->label <= UINT8_MAX            ? 1
-			     : w->label >= INT16_MIN && w->label <= INT16_MAX ? 2
-									      : 4;
+	w->grid.voxel_size = voxel_size(w);
 	choose_affine(w);
 }
 
@@ -85,10 +103,10 @@ static uint64_t place_of(const eskel_volume_writer *w, const eskel_run *run, uns
 }
 
 /* Voxels first to last of the piece. */
-static void put_label(eskel_volume_writer *w, size_t first, size_t last)
+static void put_value(eskel_volume_writer *w, int32_t value, size_t first, size_t last)
 {
 	uint8_t bytes[4];
-	esk_bytes_put_u32(bytes, (uint32_t)w->label);
+	esk_bytes_put_u32(bytes, (uint32_t)value);
 	for (size_t i = first; i <= last; i++)
 		memcpy(&w->piece[i * w->grid.voxel_size], bytes, w->grid.voxel_size);
 }
@@ -105,7 +123,7 @@ static size_t make_piece(eskel_volume_writer *w)
 		const uint64_t first = place_of(w, run, run->x_first), last = place_of(w, run, run->x_last);
 		if (first >= end)
 			break;
-		put_label(w, (size_t)((first > begin ? first : begin) - begin),
+		put_value(w, value_of(w, w->run), (size_t)((first > begin ? first : begin) - begin),
 			(size_t)((last < end ? last : end - 1) - begin));
 		if (last >= end)
 			break;
@@ -119,7 +137,8 @@ static size_t make_piece(eskel_volume_writer *w)
 eskel_status eskel_volume_writer_new(
 	const eskel_cloud *cloud, int32_t label, eskel_volume_format format, eskel_volume_writer **writer)
 {
-	if (cloud->weights || label == 0)
+	const bool kept = !cloud->weights || (label == 1 && esk_weight_builder_keeps(cloud->weights, cloud->run_count));
+	if (!kept || label == 0)
 		return ESKEL_UNSUPPORTED;
 	eskel_volume_writer *w = esk_memory_zeroed_array(1, sizeof *w);
 	if (!w || deflateInit2(&w->deflating, compression, Z_DEFLATED, gzip_window_bits, memory_level,

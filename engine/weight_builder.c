@@ -172,3 +172,14 @@ const uint32_t *esk_weight_builder_weights(const esk_weight_builder *builder)
 {
 	return builder->weights;
 }
+
+bool esk_weight_builder_keeps(const uint32_t *weights, size_t count)
+{
+	uint32_t divisor = 0, largest = 0;
+	for (size_t i = 0; i < count; i++) {
+		divisor = greatest_common_divisor(weights[i], divisor);
+		largest = weights[i] > largest ? weights[i] : largest;
+	}
+	/* All are then multiplied by 4080 / largest, which is whole, and divided by it again. */
+	return divisor == 1 && (uint32_t)largest_weight % largest == 0;
+}

@@ -22,4 +22,7 @@ eskel_status esk_weight_builder_finish(esk_weight_builder *builder, const esk_la
 /* One a run, once finished: the largest brought to 4080, then all divided by what divides all. */
 const uint32_t *esk_weight_builder_weights(const esk_weight_builder *builder);
 
+/* Whether voxels of these weights would give them back as they are. */
+bool esk_weight_builder_keeps(const uint32_t *weights, size_t count);
+
 #endif

@@ -205,7 +205,7 @@ ESKEL_API eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t la
 	eskel_error *error);
 
 /* A cloud as the bytes of a file that a volume decoder reads back: the same cloud, bit for bit. Every voxel of it has the
- * label; the grid is the cloud's with one empty voxel around (none along an axis of more than 65533). */
+ * label, or, where voxels have weights, its weight, to be read as such; the grid is the cloud's with one empty voxel around (none along an axis of more than 65533). */
 typedef enum {
 	ESKEL_VOLUME_NIFTI, /* gzipped NIfTI-1; NIfTI-2 where floats or 16-bit extents would not give the cloud back */
 	ESKEL_VOLUME_NRRD   /* gzip-encoded voxels attached, space RAS */
@@ -213,7 +213,8 @@ typedef enum {
 
 typedef struct eskel_volume_writer eskel_volume_writer;
 
-/* Borrows the cloud. ESKEL_UNSUPPORTED for weights, which no label map holds, and for label 0. */
+/* Borrows the cloud. ESKEL_UNSUPPORTED for weights that no decoder gives (eskel_volume_options) or not with label 1, and for
+ * label 0. */
 ESKEL_API eskel_status eskel_volume_writer_new(const eskel_cloud *cloud, int32_t label, eskel_volume_format format,
 	eskel_volume_writer **writer);
 ESKEL_API void eskel_volume_writer_free(eskel_volume_writer *writer);

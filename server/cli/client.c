@@ -248,6 +248,14 @@ static long header_number(CURL *curl, const char *name)
 	return curl_easy_header(curl, name, 0, CURLH_HEADER, -1, &header) ? 0 : strtol(header->value, NULL, 10);
 }
 
+/* The name that the file is given says so. */
+static bool has_weights(CURL *curl)
+{
+	struct curl_header *header;
+	return !curl_easy_header(curl, "Content-Disposition", 0, CURLH_HEADER, -1, &header) &&
+	       strstr(header->value, ".weights.");
+}
+
 /* Sends the request and takes the answer's body where the sink says. */
 static esk_outcome transfer(esk_client *client, const esk_request *request, sink *s, esk_answer *answer)
 {
@@ -275,6 +283,7 @@ static esk_outcome transfer(esk_client *client, const esk_request *request, sink
 	curl_easy_getinfo(client->curl, CURLINFO_RESPONSE_CODE, &got.status);
 	got.retry_after = header_number(client->curl, "Retry-After");
 	got.added = (size_t)header_number(client->curl, "Eskel-Added");
+	got.weights = has_weights(client->curl);
 	*answer = got;
 	return ESK_DONE;
 }

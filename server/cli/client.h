@@ -5,6 +5,8 @@
 #include "complain.h"
 #include "progress.h"
 
+#include <stdbool.h>
+
 #define ESK_DEFAULT_SERVER "http://127.0.0.1:8467" /* where eskeld listens when nothing else is said */
 
 typedef struct esk_client esk_client;
@@ -30,6 +32,7 @@ typedef struct {
 	size_t size;
 	long retry_after; /* seconds; 0: not said */
 	size_t added;     /* shapes, says an enrollment */
+	bool weights;     /* it is a volume whose voxels are weights */
 } esk_answer;
 
 /* Any HTTP answer is ESK_DONE; ESK_MISUSED for a file that cannot be read, ESK_UNREACHABLE without an answer, both with

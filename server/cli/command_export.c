@@ -2,7 +2,7 @@
  *
  *     DIR/shapes.csv           a row a shape: where its file is, what is said of it, what was measured
  *     DIR/signatures.csv       a row a class of a level of a shape
- *     DIR/clouds/ID.nii.gz     its voxels, or ID.nrrd
+ *     DIR/clouds/ID.nii.gz     its voxels, or ID.nrrd; ID.weights.nii.gz where they are weights
  *
  * The library is read twice, page by page: the attributes' keys become columns, and must be known before the first row.
  * A file is written beside its place and then put there, so one that is there is whole, and, its name being its content, is
@@ -28,7 +28,11 @@ typedef struct {
 	esk_key_set keys;
 	FILE *shapes, *signatures;
 	size_t count, done, written, there, gone, refused; /* shapes; written and there: of their files */
+	bool weights;                                      /* of the shape at hand */
 } export;
+
+/* What became of a shape that the list named: GONE when it was deleted meanwhile. */
+typedef enum { FOUND, GONE, REFUSED } found_shape;
 
 static const int most_waits = 300; /* seconds; a server that is busy for longer is given up */
 
@@ -107,37 +111,74 @@ static esk_outcome each_shape(export *e, esk_outcome (*take)(export *e, const es
 
 /* ---- one shape */
 
-/* The file of its voxels. *whole is false when the shape was deleted meanwhile, or has none that can be written. */
-static esk_outcome fetch_cloud(export *e, const char *id, bool *whole)
+/* folder/clouds/ID[.weights].SUFFIX; NULL when memory ran out. */
+static char *cloud_path(const export *e, const char *id, bool weights)
 {
-	char *path = NULL, *part = NULL, *from = NULL, *query = NULL;
+	char *path = NULL;
+	const char *mark = weights ? ".weights" : "";
+	return asprintf(&path, "%s/clouds/%s%s%s", e->folder, id, mark, e->suffix) < 0 ? NULL : path;
+}
+
+static bool is_there(const export *e, const char *id, bool weights)
+{
+	char *path = cloud_path(e, id, weights);
+	const bool there = path && !access(path, F_OK);
+	free(path);
+	return there;
+}
+
+/* Puts what was written beside its place there. */
+static esk_outcome put_in_place(const export *e, const char *part, const char *id, bool weights)
+{
+	esk_outcome outcome = ESK_DONE;
+	char *path = cloud_path(e, id, weights);
+	if (!path)
+		outcome = esk_complain(ESK_REFUSED, "memory ran out");
+	else if (rename(part, path))
+		outcome = esk_complain(ESK_REFUSED, "%s: %s", path, strerror(errno));
+	free(path);
+	return outcome;
+}
+
+/* Asks for the file. found is FOUND, or why there is none. */
+static esk_outcome download(export *e, const char *id, found_shape *found)
+{
+	char *part = NULL, *from = NULL, *query = NULL;
 	esk_answer answer = {0};
 	esk_outcome outcome = ESK_DONE;
-	if (asprintf(&path, "%s/clouds/%s%s", e->folder, id, e->suffix) < 0 || asprintf(&part, "%s.part", path) < 0 ||
-		asprintf(&from, "/shapes/%s/volume", id) < 0 || asprintf(&query, "&format=%s", e->format) < 0) {
+	if (asprintf(&part, "%s/clouds/%s.part", e->folder, id) < 0 || asprintf(&from, "/shapes/%s/volume", id) < 0 ||
+		asprintf(&query, "&format=%s", e->format) < 0)
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
-	} else if (!access(path, F_OK)) {
-		e->there++;
-	} else if (!(outcome = ask(e, &(esk_request){from, query, NULL}, part, &answer))) {
-		*whole = answer.status == 200;
-		e->gone += answer.status == 404;
-		e->refused += !*whole && answer.status != 404;
-		e->written += *whole;
-		if (!*whole && answer.status != 404)
+	else
+		outcome = ask(e, &(esk_request){from, query, NULL}, part, &answer);
+	if (!outcome && answer.status == 200) {
+		outcome = put_in_place(e, part, id, answer.weights);
+		e->weights = answer.weights;
+		e->written++;
+	} else if (!outcome) {
+		*found = answer.status == 404 ? GONE : REFUSED;
+		if (*found == REFUSED)
 			complain_of(id, &answer);
-		if (*whole && rename(part, path))
-			outcome = esk_complain(ESK_REFUSED, "%s: %s", path, strerror(errno));
 	}
 	free(answer.body);
 	free(query);
 	free(from);
 	free(part);
-	free(path);
 	return outcome;
 }
 
+/* The file of its voxels, unless it is there. */
+static esk_outcome fetch_cloud(export *e, const char *id, found_shape *found)
+{
+	e->weights = is_there(e, id, true);
+	if (!e->weights && !is_there(e, id, false))
+		return download(e, id, found);
+	e->there++;
+	return ESK_DONE;
+}
+
 /* The signature's rows without their heading. */
-static esk_outcome fetch_signature(export *e, const char *id, bool *whole)
+static esk_outcome fetch_signature(export *e, const char *id, found_shape *found)
 {
 	char *from = NULL;
 	esk_answer answer = {0};
@@ -145,8 +186,7 @@ static esk_outcome fetch_signature(export *e, const char *id, bool *whole)
 		return esk_complain(ESK_REFUSED, "memory ran out");
 	esk_outcome outcome = ask(e, &(esk_request){from, "&format=csv", NULL}, NULL, &answer);
 	if (!outcome && answer.status == 404) {
-		e->gone++;
-		*whole = false;
+		*found = GONE;
 	} else if (!outcome && answer.status != 200) {
 		outcome = complain_of(id, &answer);
 	} else if (!outcome) {
@@ -176,7 +216,7 @@ static esk_outcome write_row(export *e, const eskel_rows *rows, size_t row, cons
 	for (size_t a = 0; (key = eskel_rows_attribute(rows, row, a)); a++)
 		if (!esk_key_set_has(&e->keys, key))
 			return esk_complain(ESK_REFUSED, "shapes were changed meanwhile: run the same command again");
-	fprintf(e->shapes, "clouds/%s%s", id, e->suffix);
+	fprintf(e->shapes, "clouds/%s%s%s,%s", id, e->weights ? ".weights" : "", e->suffix, e->weights ? "true" : "");
 	for (size_t c = 0; eskel_rows_column(c) && !outcome; c++)
 		outcome = write_cell(e, rows, row, eskel_rows_column(c));
 	for (size_t k = 0; k < e->keys.count && !outcome; k++) {
@@ -204,15 +244,17 @@ static esk_outcome take_keys(export *e, const eskel_rows *rows, size_t row)
 /* For each_shape: the second time. */
 static esk_outcome take_shape(export *e, const eskel_rows *rows, size_t row)
 {
-	bool whole = true;
+	found_shape found = FOUND;
 	char *id = eskel_rows_cell(rows, row, "id");
-	esk_outcome outcome = id ? fetch_cloud(e, id, &whole) : esk_complain(ESK_REFUSED, "memory ran out");
-	if (!outcome && whole)
-		outcome = fetch_signature(e, id, &whole);
-	if (!outcome && whole) {
+	esk_outcome outcome = id ? fetch_cloud(e, id, &found) : esk_complain(ESK_REFUSED, "memory ran out");
+	if (!outcome && found == FOUND)
+		outcome = fetch_signature(e, id, &found);
+	if (!outcome && found == FOUND) {
 		outcome = write_row(e, rows, row, id);
 		e->done++;
 	}
+	e->gone += found == GONE;
+	e->refused += found == REFUSED;
 	free(id);
 	esk_progress_counted(&e->session->progress, e->done, (double)e->done / (double)e->count);
 	return outcome;
@@ -251,7 +293,7 @@ static esk_outcome close_table(const export *e, const char *name, FILE *table, e
 
 static void write_heading(const export *e)
 {
-	fputs("path", e->shapes);
+	fputs("path,weights", e->shapes);
 	for (size_t c = 0; eskel_rows_column(c); c++)
 		fprintf(e->shapes, ",%s", eskel_rows_column(c));
 	for (size_t k = 0; k < e->keys.count; k++) {

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-typedef enum { PATH, LABEL, OF_LABEL, OF_ALL, TOLD, NOT_TOLD } column_kind;
+typedef enum { PATH, LABEL, OF_LABEL, OF_ALL, OF_FILE, TOLD, NOT_TOLD } column_kind;
 
 /* The rest of an export's columns (eskel_rows.h) is TOLD. */
 static const struct {
@@ -25,6 +25,7 @@ static const struct {
 	{"age", OF_ALL},
 	{"sex", OF_ALL},
 	{"levels", OF_ALL},
+	{"weights", OF_FILE},
 	{"created", NOT_TOLD},
 	{"warnings", NOT_TOLD},
 };
@@ -79,7 +80,7 @@ static esk_outcome check_column(const esk_manifest *manifest, size_t column)
 	if (!find_kind(name, &kind))
 		return esk_complain(ESK_MISUSED,
 			"%s, line 1, column %zu: there is no column \"%s\", expected path, label, name, class, side, "
-			"subject, age, sex, levels or attr.KEY",
+			"subject, age, sex, levels, weights or attr.KEY",
 			manifest->csv.path, column + 1, name);
 	for (size_t c = 0; c < column; c++)
 		if (!strcmp(manifest->columns[c], name))
@@ -146,7 +147,7 @@ static char *shared_query(const esk_manifest *manifest, const esk_manifest_row *
 	FILE *out = open_memstream(&query, &size);
 	for (size_t c = 0; out && c < manifest->column_count; c++) {
 		const column_kind kind = kind_of(manifest->columns[c]);
-		if (*row->cells[c] && (kind == OF_ALL || (kind == OF_LABEL && row->label == 0)))
+		if (*row->cells[c] && (kind == OF_ALL || kind == OF_FILE || (kind == OF_LABEL && row->label == 0)))
 			write_parameter("", manifest->columns[c], row->cells[c], out);
 	}
 	return esk_session_close_text(out, &query);
@@ -378,7 +379,7 @@ static char *compare_row(const esk_manifest *manifest, const esk_manifest_row *r
 	for (size_t c = 0; c < manifest->column_count && !sentence; c++) {
 		const char *column = manifest->columns[c];
 		const column_kind kind = kind_of(column);
-		if (kind == PATH || kind == NOT_TOLD || (kind == LABEL && row->label == 0))
+		if (kind == PATH || kind == OF_FILE || kind == NOT_TOLD || (kind == LABEL && row->label == 0))
 			continue;
 		char *cell = eskel_rows_cell(rows, place, column);
 		if (cell && strcmp(cell, row->cells[c]) &&

@@ -403,7 +403,7 @@ class Copy(Tree):
             source.patch(json.loads(run.stdout)["shapes"][0]["id"], said)
         folder, target = self.copy(source)
         rows = read_csv(os.path.join(folder, "shapes.csv"))
-        self.assertEqual(list(rows[0])[:4], ["path", "id", "label", "name"])
+        self.assertEqual(list(rows[0])[:4], ["path", "weights", "id", "label"])
         self.assertEqual(sorted(c for c in rows[0] if c.startswith("attr.")),
                          ["attr.=x", "attr.a,b", "attr.a.b", "attr.space key", "attr.ключ"])
         again = target.eskel("import", folder)
@@ -478,6 +478,23 @@ class Copy(Tree):
                         and [s[c] for c in ("class", "side", "subject")] == [row[c] for c in ("class", "side", "subject")]]
             self.assertLess(strays(os.path.join(folder, shape["path"]), os.path.join(DATA, row["file"]), 1), 0.01)
 
+    @unittest.skipUnless(nibabel, "there is no nibabel")
+    def test_weights_come_back(self):
+        source, rng = self.server(), numpy.random.default_rng(5)
+        for number, kind in enumerate((numpy.uint8, numpy.float32, numpy.int16)):
+            weights = numpy.where(hook(), rng.integers(1, 256, hook().shape), 0)
+            weights = (weights / 255 if kind == numpy.float32 else weights).astype(kind)
+            path = self.path(f"weights{number}.nii.gz")
+            nibabel.save(nibabel.Nifti1Image(weights, numpy.diag([1 + number, 1, 1, 1])), path)
+            self.assertEqual(source.eskel("enroll", path, "--weights").returncode, 0)
+        source.eskel("enroll", self.put("plain.nii", side_by_side(hook())))
+        folder, _ = self.copy(source)
+        rows = read_csv(os.path.join(folder, "shapes.csv"))
+        self.assertEqual(sorted(row["weights"] for row in rows), ["", "true", "true", "true"])
+        self.assertEqual(source.eskel("export", folder).stdout, "shapes  4: 0 files written, 4 there already\n")
+        self.assertEqual(read_csv(os.path.join(folder, "shapes.csv")), rows)
+        self.copy(source, "--format", "nrrd", name="nrrd")
+
     def test_filters_choose_what_is_exported(self):
         source = self.server()
         for radius, name in ((5, "a"), (6, "b"), (7, "a")):
@@ -499,7 +516,7 @@ class Copy(Tree):
         before = {name: os.stat(os.path.join(clouds, name)).st_mtime_ns for name in os.listdir(clouds)}
         lost = sorted(before)[:3]
         for name in lost:
-            os.rename(os.path.join(clouds, name), os.path.join(clouds, name + ".part"))
+            os.rename(os.path.join(clouds, name), os.path.join(clouds, name.split(".")[0] + ".part"))
         os.remove(os.path.join(folder, "shapes.csv"))
         self.assertEqual(source.eskel("export", folder).stdout, "shapes  10: 3 files written, 7 there already\n")
         after = {name: os.stat(os.path.join(clouds, name)).st_mtime_ns for name in os.listdir(clouds)}

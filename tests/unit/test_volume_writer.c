@@ -54,7 +54,7 @@ static eskel_volume *read_back(const eskel_cloud *cloud, int32_t label, eskel_vo
 	eskel_volume *volume = NULL;
 	eskel_error error;
 	assert_int_equal(eskel_volume_writer_new(cloud, label, format, &writer), ESKEL_OK);
-	assert_int_equal(eskel_volume_new(NULL, &volume), ESKEL_OK);
+	assert_int_equal(eskel_volume_new(&(eskel_volume_options){.weights = cloud->weights}, &volume), ESKEL_OK);
 	for (size_t size; (size = eskel_volume_writer_next(writer, bytes, capacity)) > 0;)
 		if (eskel_volume_feed(volume, bytes, size, &error))
 			fail_msg("%s", error.text);
@@ -142,18 +142,52 @@ static void an_axis_that_nifti_1_cannot_count_is_written_as_nifti_2(void **state
 	}
 }
 
-static void weights_are_refused(void **state)
+static const eskel_affine unit = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
+static eskel_cloud *weighted(const uint32_t *weights, size_t count)
+{
+	eskel_run runs[64];
+	eskel_cloud *cloud = NULL;
+	assert_true(count <= 64);
+	for (size_t i = 0; i < count; i++)
+		runs[i] =
+			(eskel_run){(uint16_t)(2 * i), (uint16_t)(2 * i + i % 2), (uint16_t)(i % 3), (uint16_t)(i / 3)};
+	assert_int_equal(eskel_cloud_new(runs, weights, count, &unit, &cloud, NULL), ESKEL_OK);
+	return cloud;
+}
+
+static void weights_come_back_when_they_are_read_as_such(void **state)
 {
 	(void)state;
-	const eskel_run run = {0, 9, 0, 0};
-	const uint32_t weight = 2;
-	const eskel_affine affine = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-	eskel_cloud *cloud = NULL;
-	eskel_volume_writer *writer = NULL;
-	assert_int_equal(eskel_cloud_new(&run, &weight, 1, &affine, &cloud, NULL), ESKEL_OK);
-	assert_int_equal(eskel_volume_writer_new(cloud, 1, ESKEL_VOLUME_NIFTI, &writer), ESKEL_UNSUPPORTED);
-	assert_null(writer);
-	eskel_cloud_free(cloud);
+	static const uint32_t wide[] = {4080, 1, 77, 4079, 4080, 256}, narrow[] = {255, 1, 2, 254, 255, 13},
+			      half[] = {1, 2, 2, 1, 1, 2};
+	static const uint32_t *const all[] = {wide, narrow, half};
+	for (size_t i = 0; i < 6; i++) {
+		eskel_cloud *cloud = weighted(all[i / 2], 6), *again = NULL;
+		eskel_volume *volume = read_back(cloud, 1, i % 2 ? ESKEL_VOLUME_NRRD : ESKEL_VOLUME_NIFTI, 1 << 16);
+		assert_int_equal(eskel_volume_cloud(volume, 1, &again, NULL), ESKEL_OK);
+		assert_non_null(again->weights);
+		assert_same(cloud, again);
+		eskel_cloud_free(again);
+		eskel_cloud_free(cloud);
+		eskel_volume_free(volume);
+	}
+}
+
+static void weights_that_no_file_gives_are_refused(void **state)
+{
+	(void)state;
+	static const uint32_t sevenths[] = {7, 1, 2}, even[] = {2, 4, 4}, huge[] = {1 << 20, 1, 1},
+			      good[] = {255, 1, 2};
+	static const uint32_t *const all[] = {sevenths, even, huge, good};
+	for (size_t i = 0; i < 4; i++) {
+		eskel_cloud *cloud = weighted(all[i], 3);
+		eskel_volume_writer *writer = NULL;
+		assert_int_equal(eskel_volume_writer_new(cloud, all[i] == good ? 2 : 1, ESKEL_VOLUME_NIFTI, &writer),
+			ESKEL_UNSUPPORTED);
+		assert_null(writer);
+		eskel_cloud_free(cloud);
+	}
 }
 
 int main(void)
@@ -162,7 +196,8 @@ int main(void)
 		cmocka_unit_test(a_cloud_is_read_back_bit_for_bit),
 		cmocka_unit_test(a_place_that_floats_cannot_hold_is_written_as_nifti_2),
 		cmocka_unit_test(an_axis_that_nifti_1_cannot_count_is_written_as_nifti_2),
-		cmocka_unit_test(weights_are_refused),
+		cmocka_unit_test(weights_come_back_when_they_are_read_as_such),
+		cmocka_unit_test(weights_that_no_file_gives_are_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
