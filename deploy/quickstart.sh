@@ -64,7 +64,8 @@ if [ -f "$bones/manifest.csv" ]; then
 	awk -F, 'BEGIN { print "path,name,class,side,subject,sex,age" }
 		NR > 1 { print $1 "," $3 "_" $6 "_" $7 "," $6 "," $7 "," $3 "," $4 "," $5 }' "$bones/manifest.csv" \
 		>"$folder/bones.csv"
-	eskel enroll "$bones" --manifest "$folder/bones.csv"
+	# One after the other: what the README shows of them depends a little on their order.
+	eskel enroll "$bones" --manifest "$folder/bones.csv" --parallel 1
 	eskel show --limit 1000 >"$folder/bones.txt"
 fi
 

@@ -67,7 +67,7 @@ static const esk_option options[] = {
 	{"manifest", "TABLE", ENROLL, NULL,
 		"the files of DIR: CSV with the columns path, label, name, class, side, subject, age, sex, levels, "
 		"weights, attr.KEY (DIR/manifest.csv, or else all)"},
-	{"parallel", "N", ENROLL | IMPORT, NULL, "files under way at once, 1 to 64 (4)"},
+	{"parallel", "N", ENROLL | IMPORT, NULL, "files under way at once, 1 to 64 (4); 1 keeps their order in lists"},
 	{"refused", "FILE", ENROLL | IMPORT, NULL, "also write what was refused: CSV with the columns path, reason"},
 	{"format", "FORMAT", EXPORT, NULL, "of the volumes: nifti (default) or nrrd"},
 
