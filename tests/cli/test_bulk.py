@@ -52,7 +52,7 @@ class Server:
         self.log.close()
 
     def eskel(self, *arguments):
-        return eskel(*arguments, environment={"ESKEL_SERVER": self.url})
+        return eskel(*arguments, "--quiet", environment={"ESKEL_SERVER": self.url})
 
     def get(self, path):
         with urllib.request.urlopen(self.url + path) as answer:
@@ -315,7 +315,7 @@ class Patience(Tree):
             self.put(f"{radius}.nii", side_by_side(ball(radius)))
         server, url = self.busy(2, 0)
         begin = time.monotonic()
-        run = eskel("enroll", self.data, "--server", url)
+        run = eskel("enroll", self.data, "--quiet", "--server", url)
         self.assertEqual((run.returncode, run.stderr), (0, ""), run.stdout)
         self.assertGreater(time.monotonic() - begin, 1.9)
         self.assertEqual(sorted(server.tries.values()), [3] * 4)
@@ -326,7 +326,7 @@ class Patience(Tree):
             self.put(f"{radius}.nii", side_by_side(ball(radius)))
         for parallel in (1, 3):
             server, url = self.busy(0, 0.1)
-            run = eskel("enroll", self.data, "--server", url, "--parallel", parallel)
+            run = eskel("enroll", self.data, "--quiet", "--server", url, "--parallel", parallel)
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertEqual(server.most, parallel)
 
@@ -334,7 +334,7 @@ class Patience(Tree):
         for radius in range(5, 17):
             self.put(f"{radius}.nii", side_by_side(ball(radius)))
         server, url = self.busy(0, 0.5)
-        run = subprocess.Popen([ESKEL, "enroll", self.data, "--server", url, "--parallel", "2"], stdout=subprocess.PIPE,
+        run = subprocess.Popen([ESKEL, "enroll", self.data, "--quiet", "--server", url, "--parallel", "2"], stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + 30
         while len(server.tries) < 3 and time.monotonic() < deadline:
