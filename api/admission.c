@@ -120,7 +120,8 @@ static bool open_body(eskel_exchange *exchange)
 	eskel_volume_options limits = {.most_voxels = options->most_voxels,
 		.most_runs = options->most_runs,
 		.most_labels = options->most_labels,
-		.weights = exchange->query.weights};
+		.weights = exchange->query.weights,
+		.spacing = exchange->query.spacing};
 	if (exchange->route->body != ESK_BODY_VOLUME)
 		return true;
 	return esk_problem_engine(&exchange->problem, eskel_volume_new(&limits, &exchange->volume), NULL);

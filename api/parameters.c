@@ -64,6 +64,11 @@ static bool take_share(void *target, const argument *given, esk_problem *problem
 	return esk_value_share(given->name, given->value, target, problem);
 }
 
+static bool take_spacing(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_spacing(given->name, given->value, target, problem);
+}
+
 static bool take_number(void *target, const argument *given, esk_problem *problem)
 {
 	int64_t number;
@@ -277,6 +282,7 @@ static const struct parameter parameters[] = {
 	{.name = "side", .take = take_side, FIELD(side)},
 	{.name = "signature", .take = take_choice, FIELD(signature), .choices = signatures},
 	{.name = "size", .take = take_choice, FIELD(size), .choices = sizes},
+	{.name = "spacing", .take = take_spacing, FIELD(spacing)},
 	{.name = "subject", .take = take_text, FIELD(subject)},
 	{.name = "weights", .take = take_choice, FIELD(weights), .choices = answers},
 };

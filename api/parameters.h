@@ -36,6 +36,7 @@ typedef struct esk_parameters {
 	size_t words_count;
 	esk_label_words *words;
 	unsigned weights; /* the voxels are weights */
+	double spacing; /* mm, of the voxels of a posted mesh; 0: not given */
 
 	const char *shape; /* an id */
 	size_t id_count;

@@ -10,7 +10,7 @@
 #define DISTANCE "signature", "distance", "level", "metric", "size"
 #define SEARCH "limit", "mode", "keep", "minimum", "scale", "order", DISTANCE, "not.subject", "explain", FILTER
 #define LABELS "label", "label.N.name", "label.N.class", "label.N.side"
-#define VOLUME LABELS, "weights", "name"
+#define VOLUME LABELS, "weights", "spacing", "name"
 
 static const char *const nothing[] = {NULL};
 static const char *const list[] = {FILTER, "limit", "cursor", NULL};

@@ -101,6 +101,16 @@ bool esk_value_share(const char *name, const char *value, double *share, esk_pro
 	return true;
 }
 
+bool esk_value_spacing(const char *name, const char *value, double *spacing, esk_problem *problem)
+{
+	double number;
+	if (!decimal(value, &number) || number < 0.001 || number > 1000)
+		return esk_problem_set(
+			problem, 400, "%s is \"%.60s\", expected millimetres, 0.001 to 1000", name, value);
+	*spacing = number;
+	return true;
+}
+
 bool esk_value_choice(
 	const char *name, const char *value, const char *const *choices, unsigned *index, esk_problem *problem)
 {

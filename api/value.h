@@ -25,6 +25,9 @@ bool esk_value_years(const char *name, const char *value, double *years, esk_pro
 /* Above 0, at most 1, digits with an optional fraction. */
 bool esk_value_share(const char *name, const char *value, double *share, esk_problem *problem);
 
+/* Of voxels, mm: 0.001 to 1000, well within what an affine may have. */
+bool esk_value_spacing(const char *name, const char *value, double *spacing, esk_problem *problem);
+
 /* One of a NULL-terminated list; *index is its place. */
 bool esk_value_choice(
 	const char *name, const char *value, const char *const *choices, unsigned *index, esk_problem *problem);

@@ -272,6 +272,15 @@ uint64_t esk_run_builder_place(const esk_run_builder *builder)
 	return builder->x + builder->extent[0] * (builder->y + builder->extent[1] * (uint64_t)builder->z);
 }
 
+eskel_status esk_run_builder_add_run(esk_run_builder *builder, int32_t label, eskel_run run, eskel_error *error)
+{
+	uint32_t place;
+	eskel_status status = find_label(builder, label, &place, error);
+	if (status != ESKEL_OK || place == no_place)
+		return status;
+	return add_run(builder, &builder->table.items[place], run, error);
+}
+
 const esk_label_table *esk_run_builder_finish(esk_run_builder *builder)
 {
 	esk_label_table *table = &builder->table;

@@ -6,7 +6,8 @@
  * including which error a bad file gives, does not depend on how the file was cut: each stage sees every byte before
  * the fault and none after it. (But for two bytes where gzip data break off: see inflater.h.)
  *
- * A further format is one more esk_header_reader (volume_format.h) in the list below.
+ * A further format is one more esk_header_reader (volume_format.h) in the list below. What none of them knows may be a mesh
+ * (solid_reader.h): its triangles are gathered, and become runs at the end (solid_volume.h).
  */
 #include "decompressor.h"
 #include "error.h"
@@ -15,6 +16,7 @@
 #include "memory.h"
 #include "number_text.h"
 #include "run_builder.h"
+#include "solid_volume.h"
 #include "volume_format.h"
 #include "weight_builder.h"
 
@@ -36,12 +38,13 @@ enum { shortest_header = 4, largest_voxel = 8, largest_footer = 1 << 20 };
 static esk_header_reader *const header_readers[] = {
 	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header};
 
-typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, FINISHED } phase;
+typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, IN_MESH, FINISHED } phase;
 
 struct eskel_volume {
 	phase phase;
 	eskel_error error; /* status other than ESKEL_OK: every further call returns it */
-	uint64_t most_voxels;
+	esk_solid_volume_limits limits;
+	double spacing; /* of a mesh's voxels; 0: to be chosen */
 
 	bool begun;             /* the first byte has come */
 	esk_decompressor *file; /* NULL: the file is not gzipped */
@@ -62,6 +65,7 @@ struct eskel_volume {
 	esk_weight_builder *weights; /* NULL: voxels are labels */
 	uint8_t *footer_bytes;
 	size_t footer_size, footer_capacity;
+	esk_solid_reader *solid; /* NULL: no mesh */
 	const esk_label_table *labels;
 };
 
@@ -81,14 +85,20 @@ eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume 
 	for (size_t i = 0; i < o->label_count; i++)
 		if (o->labels[i] == 0)
 			return ESKEL_INVALID;
+	if (!(o->spacing >= 0))
+		return ESKEL_INVALID;
 	eskel_volume *v = esk_memory_zeroed_array(1, sizeof *v);
 	if (!v)
 		return ESKEL_NO_MEMORY;
-	v->most_voxels = o->most_voxels ? o->most_voxels : default_most_voxels;
+	v->spacing = o->spacing;
 	v->header_needed = shortest_header;
 	const esk_run_limits limits = {
 		.most_runs = o->most_runs ? o->most_runs : default_most_runs,
 		.most_labels = o->most_labels ? o->most_labels : default_most_labels,
+	};
+	v->limits = (esk_solid_volume_limits){
+		.voxels = o->most_voxels ? o->most_voxels : default_most_voxels,
+		.runs = limits.most_runs,
 	};
 	eskel_status status = esk_run_builder_new(&limits, o->labels, o->label_count, &v->builder);
 	if (status == ESKEL_OK && o->weights)
@@ -113,6 +123,7 @@ void eskel_volume_free(eskel_volume *volume)
 	esk_segments_clear(&volume->header.segments);
 	esk_run_builder_free(volume->builder);
 	esk_weight_builder_free(volume->weights);
+	esk_solid_reader_free(volume->solid);
 	free(volume);
 }
 
@@ -241,35 +252,45 @@ static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size
 	return v->header.text ? take_text(v, bytes, size, error) : take_voxels(v, bytes, size, error);
 }
 
-static eskel_status read_header(eskel_volume *v, eskel_error *error)
+static eskel_status refuse_format(const eskel_volume *v, eskel_error *error)
 {
 	const uint8_t *bytes = v->header_bytes;
-	eskel_status status = ESKEL_NOT_VOLUME;
-	for (size_t i = v->reader; i < sizeof header_readers / sizeof *header_readers && status == ESKEL_NOT_VOLUME;
-		i++) {
-		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
-		v->reader = i;
-	}
-	if (status == ESKEL_NOT_VOLUME)
-		return esk_error_set(error, status,
-			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2, "
-			"NRRD, MetaImage or MGH file",
-			bytes[0], bytes[1], bytes[2], bytes[3]);
-	return status;
+	return esk_error_set(error, ESKEL_NOT_VOLUME,
+		"the file begins with %02x %02x %02x %02x, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH file, "
+		"or "
+		"an STL, PLY or OBJ mesh",
+		bytes[0], bytes[1], bytes[2], bytes[3]);
+}
+
+static eskel_status take_mesh(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
+{
+	eskel_status status = esk_solid_reader_feed(v->solid, bytes, size, error);
+	return status == ESKEL_NOT_VOLUME ? refuse_format(v, error) : status;
+}
+
+static eskel_status begin_mesh(eskel_volume *v, eskel_error *error)
+{
+	if (esk_solid_reader_new(&v->solid) != ESKEL_OK)
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for a mesh");
+	v->phase = IN_MESH;
+	return take_mesh(v, v->header_bytes, v->header_size, error);
 }
 
 static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 {
 	const uint32_t *extent = v->header.info.extent;
-	uint64_t voxels = (uint64_t)extent[0] * extent[1] * extent[2];
-	if (voxels > v->most_voxels)
-		return esk_error_set(error, ESKEL_TOO_LARGE,
-			"the grid has %u x %u x %u = %llu voxels, expected at most %llu", extent[0], extent[1],
-			extent[2], (unsigned long long)voxels, (unsigned long long)v->most_voxels);
-	if (voxels * v->header.layer_count > v->most_voxels)
+	const uint64_t voxels = (uint64_t)extent[0] * extent[1] * extent[2];
+	if (v->spacing > 0)
+		return esk_error_set(error, ESKEL_BAD_GEOMETRY,
+			"the spacing of %g mm is for meshes, a %s file has its own: expected none", v->spacing,
+			v->header.info.format);
+	eskel_status status = esk_solid_volume_check_extent(extent, v->limits.voxels, error);
+	if (status != ESKEL_OK)
+		return status;
+	if (voxels * v->header.layer_count > v->limits.voxels)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
 			"the grid has %llu voxels in %u layers, expected at most %llu in all",
-			(unsigned long long)voxels, v->header.layer_count, (unsigned long long)v->most_voxels);
+			(unsigned long long)voxels, v->header.layer_count, (unsigned long long)v->limits.voxels);
 	const uint64_t bytes = voxels * size_of_voxel(v);
 	if (v->header.compressed && v->header.compression == ESK_COMPRESSION_BZIP2 && bytes > most_bzip2_bytes)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
@@ -290,6 +311,23 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 	return take_body(v, v->header_bytes, v->header_size, error);
 }
 
+/* Once the header is complete, what follows it. */
+static eskel_status read_header(eskel_volume *v, eskel_error *error)
+{
+	const uint8_t *bytes = v->header_bytes;
+	eskel_status status = ESKEL_NOT_VOLUME;
+	for (size_t i = v->reader; i < sizeof header_readers / sizeof *header_readers && status == ESKEL_NOT_VOLUME;
+		i++) {
+		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
+		v->reader = i;
+	}
+	if (status == ESKEL_NOT_VOLUME)
+		return esk_solid_may_begin(bytes) ? begin_mesh(v, error) : refuse_format(v, error);
+	if (status == ESKEL_OK && v->header_size >= v->header_needed)
+		status = begin_body(v, error);
+	return status;
+}
+
 static eskel_status take_file(void *volume, const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	eskel_volume *v = volume;
@@ -306,12 +344,10 @@ static eskel_status take_file(void *volume, const uint8_t *bytes, size_t size, e
 		if (v->header_size < v->header_needed)
 			return ESKEL_OK;
 		eskel_status status = read_header(v, error);
-		if (status == ESKEL_OK && v->header_size >= v->header_needed)
-			status = begin_body(v, error);
 		if (status != ESKEL_OK)
 			return status;
 	}
-	return take_body(v, bytes, size, error);
+	return v->phase == IN_MESH ? take_mesh(v, bytes, size, error) : take_body(v, bytes, size, error);
 }
 
 /* The first byte tells gzip from everything else. */
@@ -370,6 +406,22 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 	return ESKEL_OK;
 }
 
+static eskel_status finish_mesh(eskel_volume *v, eskel_error *error)
+{
+	const esk_solid *solid;
+	eskel_status status = esk_solid_reader_finish(v->solid, &solid, error);
+	if (status == ESKEL_NOT_VOLUME)
+		return refuse_format(v, error);
+	if (status == ESKEL_OK && v->weights)
+		return esk_error_set(error, ESKEL_UNSUPPORTED, "the file is a mesh, expected a volume of weights");
+	v->header.info.format = esk_solid_reader_format(v->solid);
+	v->header.info.gzipped = v->file != NULL;
+	if (status == ESKEL_OK)
+		status = esk_solid_volume(solid, esk_solid_reader_space(v->solid), v->spacing, &v->limits, v->builder,
+			&v->header.info, error);
+	return status;
+}
+
 static eskel_status find_labels(eskel_volume *v, eskel_error *error)
 {
 	eskel_status status = ESKEL_OK;
@@ -402,7 +454,11 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 	/* A blank ends the last number of a text. */
 	if (volume->phase == IN_VOXELS && volume->header.text)
 		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
-	if (volume->error.status == ESKEL_OK && check_complete(volume, &volume->error) == ESKEL_OK) {
+	if (volume->error.status == ESKEL_OK)
+		check_complete(volume, &volume->error);
+	if (volume->error.status == ESKEL_OK && volume->solid)
+		finish_mesh(volume, &volume->error);
+	if (volume->error.status == ESKEL_OK) {
 		finish_labels(volume, &volume->error);
 		volume->phase = FINISHED;
 	}
@@ -447,7 +503,7 @@ eskel_status eskel_volume_border(const eskel_volume *volume, int32_t label, unsi
 		touched |= (unsigned)(r->y == 0) << 2 | (unsigned)(r->y == extent[1] - 1) << 3;
 		touched |= (unsigned)(r->z == 0) << 4 | (unsigned)(r->z == extent[2] - 1) << 5;
 	}
-	*sides = touched;
+	*sides = volume->solid ? 0 : touched; /* a mesh is whole */
 	return ESKEL_OK;
 }
 

@@ -77,6 +77,8 @@ ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
 	X(ESKEL_WARNING_UNIT_ASSUMED, "unit_assumed") \
 	X(ESKEL_WARNING_NAMES_INCOMPLETE, "names_incomplete") \
 	X(ESKEL_WARNING_NAMES_ASSUMED, "names_assumed") \
+	X(ESKEL_WARNING_SELF_INTERSECTING, "self_intersecting") \
+	X(ESKEL_WARNING_VOLUME_DIFFERS, "volume_differs") \
 	X(ESKEL_WARNING_ANISOTROPIC, "anisotropic") \
 	X(ESKEL_WARNING_NOT_ORTHOGONAL, "not_orthogonal") \
 	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
@@ -158,7 +160,15 @@ ESKEL_API void eskel_components_free(eskel_components *components);
  * theirs (.mha, compressed or not) and FreeSurfer's MGH files; either endianness, gzipped or not. Overlapping segments of 3D
  * Slicer (at most 256 layers) are labelled by their label values, or, where two have the same, by their numbers from 1 on;
  * voxels of a layer that no segment describes are left out. Nothing is ever opened: a header that names another file is
- * refused. */
+ * refused.
+ *
+ * A closed mesh becomes a volume: STL (binary or ASCII), PLY (ASCII or binary) or OBJ, gzipped or not. Voxels whose centre
+ * is inside have label 1, all else is outside; memory is bounded by the triangles, at most 2^24. Inside is where the
+ * winding number is not 0, so parts that overlap unite, with a warning that says how much is enclosed more than once or
+ * inside out. Voxels are cubic: of the spacing that is given, along the axes; else about 100,000, on a turned grid, where
+ * flat faces along the axes gain and lose no layers. A warning says where their volume is more than 1 % off the mesh's. An
+ * open mesh is ESKEL_MALFORMED. The unit is assumed to be mm, with a warning; the space is RAS, with a warning unless a
+ * comment (in binary STL the header) says SPACE=RAS, or SPACE=LPS, which is turned to RAS, as 3D Slicer writes it. */
 typedef struct eskel_volume eskel_volume;
 
 typedef struct {
@@ -167,6 +177,7 @@ typedef struct {
 	uint32_t most_labels;          /* default 4096 */
 	const int32_t *labels;         /* keep only these (non-zero, any order); default all non-zero labels */
 	size_t label_count;
+	double spacing;                /* of a mesh's voxels, mm; default what makes about 100,000; others refuse it */
 	/* Voxels are no labels but say how much of one object, label 1, they hold: probabilities, partial volumes (section
 	 * 2.1). Finite, not negative; kept to 1/4080 of the largest, and what rounds to 0 is not in the object. */
 	bool weights;
@@ -182,7 +193,7 @@ ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
 /* The rest is for a finished volume. */
 typedef struct {
-	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage" or "MGH", static */
+	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "MGH", "STL", "PLY" or "OBJ", static */
 	bool gzipped;                  /* the whole file, header and all */
 	uint32_t extent[3];
 	eskel_affine affine;

@@ -55,6 +55,8 @@ static const esk_option options[] = {
 		"this label of the volume only; may be repeated"},
 	{"weights", NULL, ENROLL | RECOGNIZE | SKELETON | CHECK, "weights=true",
 		"voxels say how much of one object they hold: probabilities, partial volumes"},
+	{"spacing", "MM", ENROLL | RECOGNIZE | SKELETON | CHECK, "spacing",
+		"for a mesh: the size of its voxels, 0.001 to 1000 (default: about 100,000 voxels)"},
 	{"name", "NAME", ENROLL | RECOGNIZE | CHECK, "name", "what it is called"},
 	{"class", "CLASS", ENROLL, "class", "what kind of thing it is, such as femur"},
 	{"side", "SIDE", ENROLL, "side", "left, right or none"},

@@ -45,10 +45,24 @@ static esk_outcome check_labels(const char *path, const eskel_volume *volume, co
 	return ESK_DONE;
 }
 
+/* 0, to be chosen, when --spacing was not given. */
+static esk_outcome read_spacing(const esk_arguments *arguments, double *spacing)
+{
+	const char *text = esk_arguments_value(arguments, "spacing");
+	char *end;
+	if (!text)
+		return ESK_DONE;
+	*spacing = strtod(text, &end);
+	if (end == text || *end || !(*spacing >= 0.001 && *spacing <= 1000))
+		return esk_complain(ESK_MISUSED, "--spacing is %s, expected millimetres, 0.001 to 1000", text);
+	return ESK_DONE;
+}
+
 esk_outcome esk_volume_file_read(const char *path, const esk_arguments *arguments, eskel_volume **volume)
 {
 	eskel_volume *made = NULL;
 	size_t count = 0;
+	double spacing = 0;
 	esk_outcome outcome;
 	int32_t *labels = calloc(arguments->given_count + 1, sizeof *labels);
 	FILE *file = NULL;
@@ -56,11 +70,14 @@ esk_outcome esk_volume_file_read(const char *path, const esk_arguments *argument
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	else
 		outcome = read_labels(arguments, labels, &count);
+	if (!outcome)
+		outcome = read_spacing(arguments, &spacing);
 	if (!outcome && !(file = fopen(path, "re")))
 		outcome = esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
 	const eskel_volume_options options = {.labels = count > 0 ? labels : NULL,
 		.label_count = count,
-		.weights = esk_arguments_value(arguments, "weights")};
+		.weights = esk_arguments_value(arguments, "weights"),
+		.spacing = spacing};
 	if (!outcome && eskel_volume_new(&options, &made))
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	if (!outcome)

@@ -242,6 +242,13 @@ class Commands(Served):
         self.assertRegex(run.stdout, rf"(?m)^id +{self.ids['hook_left']}$")
         self.assertRegex(run.stdout, r"(?m)^subject +S1$")
 
+    def test_a_mesh_takes_a_spacing(self):
+        mesh = self.write("wedge.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+        here = self.eskel("skeleton", mesh, "--spacing", "0.5", "--levels", "1", "--json")
+        there = self.eskel("recognize", mesh, "--spacing", "0.5", "--json")
+        self.assertEqual(json.loads(here.stdout)["nodes"][0]["voxels"],
+                         json.loads(there.stdout)["results"][0]["query"]["voxels"])
+
     def test_the_skeleton_computed_here_is_the_servers(self):
         here = self.eskel("skeleton", self.volume, "--label", 1, "--json")
         url = f"{self.url}/shapes/{self.ids['hook_left']}/skeleton"

@@ -39,6 +39,7 @@ class Usage(Folder):
             (["show", "--json=yes"], "--json takes no value"),
             (["show", "--attr", "scanner"], "--attr needs KEY=VALUE, not scanner"),
             (["skeleton", "f", "--levels", "65"], "--levels is 65, expected 1 to 64"),
+            (["skeleton", "f", "--spacing", "0"], "--spacing is 0, expected millimetres, 0.001 to 1000"),
             (["skeleton", "f", "--label", "0x1"], "--label is 0x1, expected a whole number other than 0"),
             (["show", "--token-file", "/nonexistent"], "/nonexistent: No such file"),
         ):

@@ -1,16 +1,24 @@
 /* Any bytes, decoded whole and in pieces: the same status and sentence, or the same clouds, whose encoding decodes,
- * and names. What can be read but for its values is read as weights too. */
+ * and names. What can be read but for its values is read as weights too, and a mesh with a spacing. */
 #include "eskel.h"
 #include "fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static eskel_volume *decode(const uint8_t *data, size_t size, bool weights, size_t piece, eskel_error *error)
+typedef struct {
+	bool weights;
+	double spacing;
+} reading;
+
+static eskel_volume *decode(const uint8_t *data, size_t size, reading how, size_t piece, eskel_error *error)
 {
 	/* Small, so that no input takes long. */
-	const eskel_volume_options limits = {
-		.most_voxels = 1 << 18, .most_runs = 1 << 14, .most_labels = 64, .weights = weights};
+	const eskel_volume_options limits = {.most_voxels = 1 << 18,
+		.most_runs = 1 << 14,
+		.most_labels = 64,
+		.weights = how.weights,
+		.spacing = how.spacing};
 	eskel_volume *volume = NULL;
 	if (eskel_volume_new(&limits, &volume) != ESKEL_OK)
 		abort();
@@ -66,11 +74,11 @@ static void compare(const eskel_volume *a, const eskel_volume *b)
 	}
 }
 
-static eskel_status decode_twice(const uint8_t *data, size_t size, bool weights)
+static eskel_status decode_twice(const uint8_t *data, size_t size, reading how)
 {
 	eskel_error error = {0}, other_error = {0};
-	eskel_volume *whole = decode(data, size, weights, size, &error);
-	eskel_volume *pieces = decode(data, size, weights, 1 + size % 61, &other_error);
+	eskel_volume *whole = decode(data, size, how, size, &error);
+	eskel_volume *pieces = decode(data, size, how, 1 + size % 61, &other_error);
 	if (error.status != other_error.status || strcmp(error.text, other_error.text) != 0)
 		abort();
 	if (whole)
@@ -82,8 +90,9 @@ static eskel_status decode_twice(const uint8_t *data, size_t size, bool weights)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-	const eskel_status status = decode_twice(data, size, false);
+	const eskel_status status = decode_twice(data, size, (reading){0});
 	if (status == ESKEL_OK || status == ESKEL_BAD_VALUE)
-		decode_twice(data, size, true);
+		decode_twice(data, size, (reading){.weights = true});
+	decode_twice(data, size, (reading){.spacing = 1});
 	return 0;
 }

@@ -348,8 +348,8 @@ static void other_bytes_are_no_metaimage(void **state)
 		file.size = 0;
 		append(texts[i], strlen(texts[i]));
 		snprintf(sentence, sizeof sentence,
-			"the file begins with %02x %02x %02x %02x, expected the header of a NIfTI-1, NIfTI-2, NRRD, "
-			"MetaImage or MGH file",
+			"the file begins with %02x %02x %02x %02x, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH "
+			"file, or an STL, PLY or OBJ mesh",
 			file.bytes[0], file.bytes[1], file.bytes[2], file.bytes[3]);
 		assert_refused(ESKEL_NOT_VOLUME, sentence);
 	}

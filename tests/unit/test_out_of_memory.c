@@ -229,6 +229,13 @@ static void so_is_each_that_an_mgh_file_needs(void **state)
 	assert_failures_are_reported(file, sizeof file);
 }
 
+static void so_is_each_that_a_mesh_needs(void **state)
+{
+	(void)state;
+	static const char mesh[] = "v 0 0 0\nv 9 0 0\nv 0 8 0\nv 0 0 7\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+	assert_failures_are_reported((const uint8_t *)mesh, sizeof mesh - 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -237,6 +244,7 @@ int main(void)
 		cmocka_unit_test(so_is_each_that_a_metaimage_needs),
 		cmocka_unit_test(so_is_each_that_names_in_a_header_extension_need),
 		cmocka_unit_test(so_is_each_that_an_mgh_file_needs),
+		cmocka_unit_test(so_is_each_that_a_mesh_needs),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
