@@ -6,7 +6,7 @@
 
 typedef struct {
 	int32_t label;
-	eskel_run *runs; /* sorted, disjoint, maximal */
+	eskel_run *runs; /* sorted, disjoint and maximal where voxels came in file order */
 	size_t count, capacity;
 } esk_label_runs;
 
@@ -38,6 +38,9 @@ void esk_run_builder_set_grid(esk_run_builder *builder, const esk_voxel_format *
 
 /* The next count voxels; never more in all than the grid has. */
 eskel_status esk_run_builder_add(esk_run_builder *builder, const uint8_t *voxels, size_t count, eskel_error *error);
+
+/* In place of voxels: the next run of a label, by (z, y, x_first). */
+eskel_status esk_run_builder_add_run(esk_run_builder *builder, int32_t label, eskel_run run, eskel_error *error);
 
 /* Whether the builder keeps voxels of this label. */
 bool esk_run_builder_wants(const esk_run_builder *builder, int32_t label);

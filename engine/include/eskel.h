@@ -75,6 +75,7 @@ ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
 	X(ESKEL_WARNING_SFORM_QFORM_DISAGREE, "sform_qform_disagree") \
 	X(ESKEL_WARNING_NO_ORIENTATION, "no_orientation") \
 	X(ESKEL_WARNING_UNIT_ASSUMED, "unit_assumed") \
+	X(ESKEL_WARNING_SLICE_DISTANCE, "slice_distance") \
 	X(ESKEL_WARNING_ANISOTROPIC, "anisotropic") \
 	X(ESKEL_WARNING_NOT_ORTHOGONAL, "not_orthogonal") \
 	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
@@ -178,7 +179,7 @@ ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
 /* The rest is for a finished volume. */
 typedef struct {
-	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD" or "MetaImage", static */
+	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage" or what runs began with, static */
 	bool gzipped;                  /* the whole file, header and all */
 	uint32_t extent[3];
 	eskel_affine affine;
@@ -197,6 +198,15 @@ ESKEL_API const char *eskel_volume_label_name(const eskel_volume *volume, int32_
  * border of the grid. ESKEL_NOT_FOUND when no voxel has the label. */
 ESKEL_API eskel_status eskel_volume_border(const eskel_volume *volume, int32_t label, unsigned *sides);
 ESKEL_API eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel_cloud **cloud,
+	eskel_error *error);
+
+/* In place of feeding bytes, for objects that become runs elsewhere: first begin, with the format, the extent, the affine
+ * and the warnings; then the runs, in any order, and what their labels are called; then finish. Labels may overlap one
+ * another, none itself. Limits and kept labels are those of the options. ESKEL_INVALID for a run outside the grid. */
+ESKEL_API eskel_status eskel_volume_begin_runs(eskel_volume *volume, const eskel_volume_info *info,
+	eskel_error *error);
+ESKEL_API eskel_status eskel_volume_add_run(eskel_volume *volume, int32_t label, eskel_run run, eskel_error *error);
+ESKEL_API eskel_status eskel_volume_name_label(eskel_volume *volume, int32_t label, const char *name,
 	eskel_error *error);
 
 /* ---------------------------------------------------------------------------------------------- skeleton */
