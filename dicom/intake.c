@@ -1,10 +1,8 @@
 /* The first 132 bytes of a file decide; DICOM has "DICM" at their end (PS3.10, section 7.1). */
 #include "eskel_dicom.h"
 
-#include "grid.h"
-#include "pixels.h"
+#include "data_set.h"
 #include "refusal.h"
-#include "segment_name.h"
 #include "tool.h"
 
 #include <errno.h>
@@ -101,52 +99,16 @@ eskel_status eskel_intake_feed(eskel_intake *intake, const void *bytes, size_t s
 
 /* ---- the end */
 
-static eskel_status name_segments(const esk_segmentation *segmentation, eskel_volume *volume, eskel_error *error)
-{
-	eskel_status status = ESKEL_OK;
-	for (size_t i = 0; i < segmentation->segment_count && status == ESKEL_OK; i++) {
-		const esk_dicom_segment *segment = &segmentation->segments[i];
-		char name[ESK_SEGMENT_NAME];
-		esk_segment_name(segment, name);
-		if (name[0])
-			status = eskel_volume_name_label(volume, segment->number, name, error);
-	}
-	return status;
-}
-
-static eskel_status read_segmentation(
-	esk_window *window, esk_segmentation *segmentation, eskel_volume *volume, eskel_error *error)
-{
-	uint32_t pixel_bytes;
-	eskel_volume_info info;
-	eskel_status status = esk_segmentation_read(window, segmentation, &pixel_bytes, error);
-	if (status == ESKEL_OK)
-		status = esk_grid_fit(segmentation, &info, error);
-	if (status == ESKEL_OK)
-		status = eskel_volume_begin_runs(volume, &info, error);
-	if (status == ESKEL_OK)
-		status = name_segments(segmentation, volume, error);
-	return status == ESKEL_OK ? esk_pixels_read(window, segmentation, volume, error) : status;
-}
-
 static eskel_status decode(eskel_intake *intake, eskel_error *error)
 {
 	/* From standard input to standard output, without the head of a file. */
 	static const char *const arguments[] = {"dcmdrle", "--write-dataset", "-", "-", NULL};
 	esk_tool tool;
-	esk_segmentation segmentation = {0};
-	esk_window *window = calloc(1, sizeof *window);
-	if (!window)
-		return esk_refuse(error, ESKEL_NO_MEMORY, "memory ran out");
 	eskel_status status = esk_tool_start(intake->tool, arguments, fileno(intake->dicom), &tool, error);
-	if (status == ESKEL_OK) {
-		window->get = esk_tool_read;
-		window->source = &tool;
-		status = read_segmentation(window, &segmentation, intake->volume, error);
-		esk_tool_end(&tool);
-	}
-	esk_segmentation_clear(&segmentation);
-	free(window);
+	if (status != ESKEL_OK)
+		return status;
+	status = esk_data_set_read(esk_tool_read, &tool, intake->volume, error);
+	esk_tool_end(&tool);
 	return status;
 }
 

@@ -2,12 +2,27 @@
  *   extent X Y Z
  *   affine (twelve numbers, row by row)
  *   warning CODE TEXT
- *   label voxels volume_mm3 centroid_x centroid_y centroid_z name
+ *   label voxels volume_mm3 centroid_x centroid_y centroid_z digest name
+ * where equal clouds, and no others, have the same digest,
  * or a line "refused STATUS SENTENCE", for the tests in Python. */
 #include "eskel_dicom.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+
+/* FNV-1a of the cloud's bytes. */
+static unsigned long long digest(const eskel_cloud *cloud)
+{
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	unsigned long long hash = 0xcbf29ce484222325;
+	if (eskel_cloud_encode(cloud, &bytes, &size) != ESKEL_OK)
+		abort();
+	for (size_t i = 0; i < size; i++)
+		hash = (hash ^ bytes[i]) * 0x100000001b3;
+	free(bytes);
+	return hash;
+}
 
 static void print_label(const eskel_volume *volume, int32_t label)
 {
@@ -30,7 +45,7 @@ static void print_label(const eskel_volume *volume, int32_t label)
 		printf(" %.17g", centroid);
 	}
 	const char *name = eskel_volume_label_name(volume, label);
-	printf(" %s\n", name ? name : "");
+	printf(" %016llx %s\n", digest(cloud), name ? name : "");
 	eskel_cloud_free(cloud);
 }
 
