@@ -21,7 +21,7 @@ enum { nobody = 65534 };
 
 /* ---- limits */
 
-static bool limit(int resource, rlim_t most)
+static bool limit(unsigned resource, rlim_t most)
 {
 	return setrlimit(resource, &(struct rlimit){most, most}) == 0;
 }
