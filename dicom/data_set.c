@@ -14,7 +14,7 @@ static eskel_status name_segments(const esk_segmentation *segmentation, eskel_vo
 		const esk_dicom_segment *segment = &segmentation->segments[i];
 		char name[ESK_SEGMENT_NAME];
 		esk_segment_name(segment, name);
-		if (name[0])
+		if (name[0] && segment->number != 0)
 			status = eskel_volume_name_label(volume, segment->number, name, error);
 	}
 	return status;

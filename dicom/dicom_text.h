@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The text without the blanks around it, in UTF-8 when the character set is that, Latin-1 or ASCII, else as it is; cut to
- * what fits, before a character. */
+/* The text without the blanks around it, in UTF-8 when the character set is that, Latin-1 or ASCII, else as it is;
+ * cut to what fits, before a character. */
 void esk_dicom_text(const uint8_t *bytes, size_t size, const char *character_set, char *text, size_t room);
 
 /* Count decimal strings between backslashes, all finite; false, with numbers untouched, for anything else. */

@@ -1,10 +1,10 @@
-/* Frames are parallel planes. With unit vectors r along a row and c along a column, and n = r x c, the position p of a frame
- * has the height n.p, which gives its slice, and lies beside that of the first frame by r.(p - p_0) and c.(p - p_0), whole
- * numbers of columns and rows.
+/* Frames are parallel planes. With unit vectors r along a row and c along a column, and n = r x c, the position p of
+ * a frame has the height n.p, which gives its slice, and lies beside that of the first frame by r.(p - p_0) and c.(p
+ * - p_0), whole numbers of columns and rows.
  *
  * How far slices are apart is measured, not believed: SliceThickness may be anything, SpacingBetweenSlices is often
- * missing or wrong. What is said of it only decides where it divides all distances between the slices that are there: then
- * slices are left out between those, as in files that keep no empty frames. Else the smallest distance does.
+ * missing or wrong. What is said of it only decides where it divides all distances between the slices that are there:
+ * then slices are left out between those, as in files that keep no empty frames. Else the smallest distance does.
  */
 #include "grid.h"
 
@@ -108,8 +108,8 @@ static double least_distance(const fitting *f)
 	return least;
 }
 
-/* Counts slices of about this distance from the lowest frame on, each from the one before, so that what the distance is off
- * by does not add up; *worst is how far a frame is from its slice, in parts of the mean distance. */
+/* Counts slices of about this distance from the lowest frame on, each from the one before, so that what the distance
+ * is off by does not add up; *worst is how far a frame is from its slice, in parts of the mean distance. */
 static void place_slices(fitting *f, double distance, size_t *worst)
 {
 	esk_frame *frames = f->segmentation->frames;

@@ -1,5 +1,5 @@
-/* Pixels of one bit follow one another from the lowest bit of a byte to its highest, on from frame to frame (PS3.5, 8.1.1
- * and D), so a row may begin within a byte. Others have one or two bytes.
+/* Pixels of one bit follow one another from the lowest bit of a byte to its highest, on from frame to frame (PS3.5,
+ * 8.1.1 and D), so a row may begin within a byte. Others have one or two bytes.
  */
 #include "pixels.h"
 
@@ -25,7 +25,8 @@ static eskel_status add_run(const reading *r, int32_t label, uint32_t first, uin
 	return eskel_volume_add_run(r->volume, label, run, r->error);
 }
 
-/* The first place in from .. end - 1 whose bit is set, or is not; end without one. 8 bytes beyond the last may be loaded. */
+/* The first place in from .. end - 1 whose bit is set, or is not; end without one. 8 bytes beyond the last may be
+ * loaded. */
 static uint64_t find_bit(const uint8_t *bytes, uint64_t from, uint64_t end, bool set)
 {
 	enum { loaded = 57 }; /* bits, whichever of a byte's is the first */

@@ -1,9 +1,8 @@
-/* One table says which elements are wanted, by the sequence of the data set that they are in, the innermost sequence and
- * the tag. What a frame's own functional groups do not say is what is shared by all. */
+/* What a frame's own functional groups do not say is what is shared by all. */
 #include "segmentation.h"
 
+#include "attributes.h"
 #include "dicom_text.h"
-#include "elements.h"
 #include "refusal.h"
 
 #include <math.h>
@@ -15,99 +14,14 @@ enum { most_segments = 4096, most_frames = 1 << 20 };
 /* mm; what is farther away than any scanner reaches is an error, and sums of it would lose digits. */
 static const double farthest = 1e6;
 
-/* Sequences */
-#define SEGMENTS 0x00620002u
-#define SHARED_GROUPS 0x52009229u
-#define FRAME_GROUPS 0x52009230u
-#define SEGMENT_TYPE 0x0062000fu
-#define SEGMENT_TYPE_MODIFIER 0x00620011u
-#define REGION 0x00082218u
-#define REGION_MODIFIER 0x00082220u
-#define PLANE_POSITION 0x00209113u
-#define PLANE_ORIENTATION 0x00209116u
-#define PIXEL_MEASURES 0x00289110u
-#define SEGMENT_OF_FRAME 0x0062000au
-/* Elements of a code */
-#define CODE_VALUE 0x00080100u
-#define CODE_MEANING 0x00080104u
-
-typedef enum {
-	CHARACTER_SET,
-	CLASS,
-	SAMPLES,
-	FRAME_COUNT,
-	ROWS,
-	COLUMNS,
-	BITS,
-	BACKGROUND,
-	TYPE,
-	MOST_FRACTION,
-	NUMBER,
-	LABEL,
-	TYPE_MEANING,
-	TYPE_SIDE_VALUE,
-	TYPE_SIDE_MEANING,
-	REGION_MEANING,
-	REGION_SIDE_VALUE,
-	REGION_SIDE_MEANING,
-	POSITION,
-	ORIENTATION,
-	SPACING,
-	THICKNESS,
-	BETWEEN,
-	FRAME_SEGMENT,
-} attribute;
-
-/* Shared groups have the attributes of a frame's. */
-static const struct {
-	uint32_t root, parent, tag;
-	attribute attribute;
-} wanted[] = {
-	{0, 0, 0x00080005, CHARACTER_SET},
-	{0, 0, 0x00080016, CLASS},
-	{0, 0, 0x00280002, SAMPLES},
-	{0, 0, 0x00280008, FRAME_COUNT},
-	{0, 0, 0x00280010, ROWS},
-	{0, 0, 0x00280011, COLUMNS},
-	{0, 0, 0x00280100, BITS},
-	{0, 0, 0x00280120, BACKGROUND},
-	{0, 0, 0x00620001, TYPE},
-	{0, 0, 0x0062000e, MOST_FRACTION},
-	{SEGMENTS, SEGMENTS, 0x00620004, NUMBER},
-	{SEGMENTS, SEGMENTS, 0x00620005, LABEL},
-	{SEGMENTS, SEGMENT_TYPE, CODE_MEANING, TYPE_MEANING},
-	{SEGMENTS, SEGMENT_TYPE_MODIFIER, CODE_VALUE, TYPE_SIDE_VALUE},
-	{SEGMENTS, SEGMENT_TYPE_MODIFIER, CODE_MEANING, TYPE_SIDE_MEANING},
-	{SEGMENTS, REGION, CODE_MEANING, REGION_MEANING},
-	{SEGMENTS, REGION_MODIFIER, CODE_VALUE, REGION_SIDE_VALUE},
-	{SEGMENTS, REGION_MODIFIER, CODE_MEANING, REGION_SIDE_MEANING},
-	{FRAME_GROUPS, PLANE_POSITION, 0x00200032, POSITION},
-	{FRAME_GROUPS, PLANE_ORIENTATION, 0x00200037, ORIENTATION},
-	{FRAME_GROUPS, PIXEL_MEASURES, 0x00280030, SPACING},
-	{FRAME_GROUPS, PIXEL_MEASURES, 0x00180050, THICKNESS},
-	{FRAME_GROUPS, PIXEL_MEASURES, 0x00180088, BETWEEN},
-	{FRAME_GROUPS, SEGMENT_OF_FRAME, 0x0062000b, FRAME_SEGMENT},
-};
-
-static bool find_attribute(const esk_element_place *place, attribute *found)
-{
-	const uint32_t root = place->root == SHARED_GROUPS ? FRAME_GROUPS : place->root;
-	for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
-		if (wanted[i].tag == place->tag && wanted[i].parent == place->parent && wanted[i].root == root) {
-			*found = wanted[i].attribute;
-			return true;
-		}
-	return false;
-}
+/* ---- values */
 
 static bool wants(void *reader, const esk_element_place *place)
 {
-	attribute found;
+	esk_attribute found;
 	(void)reader;
-	return find_attribute(place, &found);
+	return esk_attribute_find(place, &found);
 }
-
-/* ---- values */
 
 static eskel_status refuse_value(const esk_element_place *place, const char *expected, eskel_error *error)
 {
@@ -175,21 +89,21 @@ static void take_side(const uint8_t *bytes, size_t size, bool value, esk_coded_s
 			*side = sides[i].side;
 }
 
-static eskel_status take_of_segment(esk_segmentation *s, attribute which, const esk_element_place *place,
+static eskel_status take_of_segment(esk_segmentation *s, esk_attribute which, const esk_element_place *place,
 	const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	esk_dicom_segment *segment = &s->segments[s->segment_count - 1];
-	char *text = which == LABEL ? segment->label : which == TYPE_MEANING ? segment->type : segment->region;
+	char *text = which == ESK_LABEL ? segment->label : which == ESK_TYPE_MEANING ? segment->type : segment->region;
 	switch (which) {
-	case NUMBER:
+	case ESK_NUMBER:
 		return take_number(bytes, size, &segment->number) ? ESKEL_OK : refuse_value(place, "number", error);
-	case TYPE_SIDE_VALUE:
-	case TYPE_SIDE_MEANING:
-		take_side(bytes, size, which == TYPE_SIDE_VALUE, &segment->type_side);
+	case ESK_TYPE_SIDE_VALUE:
+	case ESK_TYPE_SIDE_MEANING:
+		take_side(bytes, size, which == ESK_TYPE_SIDE_VALUE, &segment->type_side);
 		break;
-	case REGION_SIDE_VALUE:
-	case REGION_SIDE_MEANING:
-		take_side(bytes, size, which == REGION_SIDE_VALUE, &segment->region_side);
+	case ESK_REGION_SIDE_VALUE:
+	case ESK_REGION_SIDE_MEANING:
+		take_side(bytes, size, which == ESK_REGION_SIDE_VALUE, &segment->region_side);
 		break;
 	default:
 		if (!text[0]) /* of several codes the first is the main one */
@@ -198,47 +112,47 @@ static eskel_status take_of_segment(esk_segmentation *s, attribute which, const 
 	return ESKEL_OK;
 }
 
-static bool take_of_plane(esk_plane *plane, attribute which, const uint8_t *bytes, size_t size)
+static bool take_of_plane(esk_plane *plane, esk_attribute which, const uint8_t *bytes, size_t size)
 {
 	switch (which) {
-	case POSITION:
+	case ESK_POSITION:
 		return plane->positioned = esk_dicom_decimals(bytes, size, plane->position, 3);
-	case ORIENTATION:
+	case ESK_ORIENTATION:
 		return plane->oriented = esk_dicom_decimals(bytes, size, plane->orientation, 6);
-	case SPACING:
+	case ESK_SPACING:
 		return plane->spaced = esk_dicom_decimals(bytes, size, plane->spacing, 2);
-	case THICKNESS: /* these two may be empty */
+	case ESK_THICKNESS: /* these two may be empty */
 		return size == 0 || esk_dicom_decimals(bytes, size, &plane->thickness, 1);
-	case BETWEEN:
+	case ESK_BETWEEN:
 		return size == 0 || esk_dicom_decimals(bytes, size, &plane->between, 1);
 	default:
 		return take_number(bytes, size, &plane->segment);
 	}
 }
 
-static eskel_status take_of_set(esk_segmentation *s, attribute which, const esk_element_place *place,
+static eskel_status take_of_set(esk_segmentation *s, esk_attribute which, const esk_element_place *place,
 	const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	bool good = true;
 	switch (which) {
-	case CHARACTER_SET:
+	case ESK_CHARACTER_SET:
 		esk_dicom_text(bytes, size, "", s->character_set, sizeof s->character_set);
 		break;
-	case CLASS:
+	case ESK_CLASS:
 		return take_class(bytes, size, s, error);
-	case TYPE:
+	case ESK_TYPE:
 		return take_type(bytes, size, s, error);
-	case FRAME_COUNT:
+	case ESK_FRAME_COUNT:
 		good = take_frame_count(bytes, size, &s->frames_announced);
 		break;
 	default:
 		good = take_number(bytes, size,
-			which == SAMPLES      ? &s->samples
-			: which == ROWS       ? &s->rows
-			: which == COLUMNS    ? &s->columns
-			: which == BITS       ? &s->bits
-			: which == BACKGROUND ? &s->background
-					      : &s->most_fraction);
+			which == ESK_SAMPLES      ? &s->samples
+			: which == ESK_ROWS       ? &s->rows
+			: which == ESK_COLUMNS    ? &s->columns
+			: which == ESK_BITS       ? &s->bits
+			: which == ESK_BACKGROUND ? &s->background
+						  : &s->most_fraction);
 	}
 	return good ? ESKEL_OK : refuse_value(place, "number", error);
 }
@@ -247,14 +161,14 @@ static eskel_status take_value(
 	void *reader, const esk_element_place *place, const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	esk_segmentation *s = reader;
-	attribute which;
-	if (!find_attribute(place, &which))
+	esk_attribute which;
+	if (!esk_attribute_find(place, &which))
 		return ESKEL_OK;
 	if (place->root == 0)
 		return take_of_set(s, which, place, bytes, size, error);
-	if (place->root == SEGMENTS)
+	if (place->root == ESK_SEGMENTS)
 		return take_of_segment(s, which, place, bytes, size, error);
-	esk_plane *plane = place->root == SHARED_GROUPS ? &s->shared : &s->current;
+	esk_plane *plane = place->root == ESK_SHARED_GROUPS ? &s->shared : &s->current;
 	return take_of_plane(plane, which, bytes, size) ? ESKEL_OK : refuse_value(place, "list of numbers", error);
 }
 
@@ -289,7 +203,7 @@ static eskel_status begin_segment(esk_segmentation *s, eskel_error *error)
 static eskel_status end_segment(const esk_segmentation *s, eskel_error *error)
 {
 	const esk_dicom_segment *last = &s->segments[s->segment_count - 1];
-	if (last->number == 0)
+	if (last->number == 0 && s->type != ESK_LABEL_MAP) /* there it is the background */
 		return esk_refuse(error, ESKEL_MALFORMED, "segment %zu of the segmentation has no number from 1 on",
 			s->segment_count);
 	for (const esk_dicom_segment *other = s->segments; other < last; other++)
@@ -352,9 +266,9 @@ static eskel_status end_frame(esk_segmentation *s, eskel_error *error)
 static eskel_status take_item(void *reader, uint32_t sequence, bool begins, eskel_error *error)
 {
 	esk_segmentation *s = reader;
-	if (sequence == SEGMENTS)
+	if (sequence == ESK_SEGMENTS)
 		return begins ? begin_segment(s, error) : end_segment(s, error);
-	if (sequence != FRAME_GROUPS)
+	if (sequence != ESK_FRAME_GROUPS)
 		return ESKEL_OK;
 	if (!begins)
 		return end_frame(s, error);

@@ -122,7 +122,7 @@ static eskel_status await_end(esk_tool *tool, eskel_error *error)
 			: esk_refuse(error, ESKEL_MALFORMED,
 				  "%s could not decode the DICOM file: it is damaged, needs more than 2 GiB of memory, "
 				  "or "
-				  "is compressed otherwise than by deflation or run lengths",
+				  "is compressed other than by deflation, or by run lengths of whole bytes",
 				  tool->program);
 }
 

@@ -15,8 +15,8 @@ typedef struct {
 	struct timespec deadline;
 } esk_tool;
 
-/* Starts program with arguments (arguments[0] is its name) and the file at its first byte as its input. ESKEL_UNSUPPORTED
- * when it is not installed. */
+/* Starts program with arguments (arguments[0] is its name) and the file at its first byte as its input.
+ * ESKEL_UNSUPPORTED when it is not installed. */
 eskel_status esk_tool_start(
 	const char *program, const char *const *arguments, int file, esk_tool *tool, eskel_error *error);
 

@@ -19,8 +19,8 @@ typedef struct {
 	uint8_t bytes[ESK_WINDOW_SIZE + ESK_WINDOW_SLACK];
 } esk_window;
 
-/* The next size bytes, at most a window, without taking them; ESKEL_TRUNCATED when there are not so many. They stay until
- * the next look. */
+/* The next size bytes, at most a window, without taking them; ESKEL_TRUNCATED when there are not so many. They stay
+ * until the next look. */
 eskel_status esk_window_look(esk_window *window, size_t size, const uint8_t **bytes, eskel_error *error);
 /* Takes bytes that were looked at. */
 void esk_window_take(esk_window *window, size_t size);

@@ -23,10 +23,10 @@ ESKEL_API eskel_status eskel_intake_feed(eskel_intake *intake, const void *bytes
 
 /* As eskel_volume_finish, once; the volume is the caller's then. DICOM is decoded here, which takes up to a minute.
  *
- * Reads segmentations that are binary, fractional with all fractions 0 or 1, or label maps; uncompressed, deflated or
- * run-length encoded. Frames may come in any order, lie anywhere in one grid and be left out. A label is a segment's number,
- * its name the segment's label or, where that says nothing, the meaning of its region or type, with the side that their
- * modifiers say. */
+ * Reads segmentations that are binary, fractional with all fractions 0 or 1, or label maps; uncompressed, deflated
+ * or, with pixels of whole bytes, run-length encoded. Frames may come in any order, lie anywhere in one grid and be
+ * left out. A label is a segment's number, its name the segment's label or, where that says nothing, the meaning of
+ * its region or type, with the side that their modifiers say. */
 ESKEL_API eskel_status eskel_intake_finish(eskel_intake *intake, eskel_volume **volume, eskel_error *error);
 
 #endif

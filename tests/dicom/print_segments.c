@@ -1,10 +1,7 @@
-/* print_segments FILE [TOOL]: reads a file as the server and the command line do, with TOOL in place of dcmdrle, and prints
- *   extent X Y Z
- *   affine (twelve numbers, row by row)
- *   warning CODE TEXT
- *   label voxels volume_mm3 centroid_x centroid_y centroid_z digest name
- * where equal clouds, and no others, have the same digest,
- * or a line "refused STATUS SENTENCE", for the tests in Python. */
+/* print_segments FILE [TOOL]: reads a file as the server and the command line do, with TOOL in place of dcmdrle, and
+ * prints extent X Y Z affine (twelve numbers, row by row) warning CODE TEXT label voxels volume_mm3 centroid_x
+ * centroid_y centroid_z digest name where equal clouds, and no others, have the same digest, or a line "refused
+ * STATUS SENTENCE", for the tests in Python. */
 #include "eskel_dicom.h"
 
 #include <stdio.h>

@@ -173,7 +173,7 @@ class Encodings(Case):
         for bits, numbers in ((8, (1, 200)), (16, (1, 700))):
             values = numpy.random.default_rng(3).choice([0, *numbers], (13, 11, 7))
             frames = [Frame(values[:, :, z].T, (0, 0, z), 0) for z in range(7)]
-            segments = [segment(n, f"label {n}") for n in numbers]
+            segments = [segment(0, "background")] + [segment(n, f"label {n}") for n in numbers]
             reading = self.read(build(frames, segments, PLAIN, "LABELMAP", bits))
             self.assert_masks(reading, {n: values == n for n in numbers}, PLAIN)
             self.assertEqual(f"label {numbers[1]}", reading.names[numbers[1]])

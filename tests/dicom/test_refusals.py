@@ -133,7 +133,7 @@ class Refusals(unittest.TestCase):
         made.file_meta.TransferSyntaxUID = pydicom.uid.JPEG2000Lossless
         made.PixelData = pydicom.encaps.encapsulate([b"\xff\x4f\xff\x51" * 4] * 3)
         made["PixelData"].is_undefined_length = True
-        self.assertIn("is compressed otherwise than by deflation or run lengths", self.refusal(made))
+        self.assertIn("is compressed other than by deflation, or by run lengths of whole bytes", self.refusal(made))
 
 
 if __name__ == "__main__":

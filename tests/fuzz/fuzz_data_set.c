@@ -1,5 +1,5 @@
-/* Any bytes as what DCMTK's program writes, in one piece and in pieces: the same status and sentence, or the same labels,
- * of clouds that encode. */
+/* Any bytes as what DCMTK's program writes, in one piece and in pieces: the same status and sentence, or the same
+ * labels, of clouds that encode. */
 #include "../../dicom/data_set.h"
 #include "fuzz.h"
 
