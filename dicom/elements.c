@@ -7,8 +7,8 @@
 #define ITEM 0xfffee000u
 #define UNDEFINED UINT32_MAX
 
-/* A segmentation of 2^20 frames has 500 MB of functional groups; what is wanted of them is short. */
-static const uint64_t most_bytes = (uint64_t)1 << 29;
+/* A segmentation of 2^18 frames has some 200 MB of functional groups; what is wanted of them is short. */
+static const uint64_t most_bytes = (uint64_t)1 << 28;
 enum { longest_value = 1 << 12 };
 
 typedef struct {

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { most_segments = 4096, most_frames = 1 << 20 };
+enum { most_segments = 4096, most_frames = 1 << 18 };
 /* mm; what is farther away than any scanner reaches is an error, and sums of it would lose digits. */
 static const double farthest = 1e6;
 
@@ -180,7 +180,7 @@ static bool reserve(void **items, size_t *capacity, size_t count, size_t size)
 	if (count < *capacity)
 		return true;
 	const size_t more = *capacity + *capacity / 2 + 16;
-	void *moved = realloc(*items, more * size); /* at most 2^20 frames */
+	void *moved = realloc(*items, more * size); /* at most 2^18 frames */
 	if (!moved)
 		return false;
 	*items = moved;
