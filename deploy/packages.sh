@@ -8,7 +8,7 @@
 set -eu
 
 build='build-essential cmake ninja-build pkg-config python3 python3-yaml libsqlite3-dev libmicrohttpd-dev libjansson-dev
-	liblapacke-dev libisal-dev libbz2-dev libcurl4-gnutls-dev nettle-dev libmeshoptimizer-dev'
+	liblapacke-dev libisal-dev libbz2-dev libcurl4-gnutls-dev nettle-dev libmeshoptimizer-dev dcmtk'
 trial='mricron-data curl'
 test='clang libclang-rt-14-dev libcmocka-dev zlib1g-dev mricron-data curl chromium-driver python3-numpy python3-scipy
 	python3-nibabel python3-jsonschema python3-pydicom teem-apps python3-vtk9 assimp-utils'
