@@ -124,7 +124,7 @@ static bool open_body(eskel_exchange *exchange)
 		.spacing = exchange->query.spacing};
 	if (exchange->route->body != ESK_BODY_VOLUME)
 		return true;
-	return esk_problem_engine(&exchange->problem, eskel_volume_new(&limits, &exchange->volume), NULL);
+	return esk_problem_engine(&exchange->problem, eskel_intake_new(&limits, NULL, &exchange->intake), NULL);
 }
 
 bool esk_exchange_admit(eskel_exchange *exchange, const eskel_request *request)

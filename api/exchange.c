@@ -141,7 +141,7 @@ void eskel_exchange_free(eskel_exchange *exchange)
 	free_fields(exchange->headers, exchange->header_count);
 	for (size_t i = 0; i < exchange->response.header_count; i++)
 		free((void *)exchange->response_headers[i].value);
-	eskel_volume_free(exchange->volume);
+	eskel_intake_free(exchange->intake);
 	free(exchange->json.bytes);
 	free(exchange->response_body);
 	if (exchange->stream.free)
@@ -161,7 +161,7 @@ static bool take_bytes(eskel_exchange *exchange, const void *bytes, size_t size)
 	if (!esk_exchange_check_size(exchange, "at least ", exchange->body_size))
 		return false;
 	if (exchange->route->body == ESK_BODY_VOLUME) {
-		eskel_status status = eskel_volume_feed(exchange->volume, bytes, size, &error);
+		eskel_status status = eskel_intake_feed(exchange->intake, bytes, size, &error);
 		return esk_problem_engine(&exchange->problem, status, &error);
 	}
 	esk_text_append(&exchange->json, bytes, size);

@@ -9,6 +9,8 @@
 #include "route.h"
 #include "text.h"
 
+#include "eskel_dicom.h"
+
 #define ESK_RESPONSE_HEADERS 4
 
 /* What a body comes from that is not made at once. */
@@ -32,7 +34,7 @@ struct eskel_exchange {
 	esk_problem problem;  /* why a handler or check returned false */
 
 	uint64_t body_size;   /* received */
-	eskel_volume *volume; /* of ESK_BODY_VOLUME */
+	eskel_intake *intake; /* of ESK_BODY_VOLUME */
 	esk_text json;        /* of ESK_BODY_JSON */
 
 	bool settled;

@@ -100,17 +100,16 @@ static bool take_labels(
 bool esk_specimens_take(eskel_exchange *exchange, const esk_parameters *said, esk_specimens *specimens)
 {
 	eskel_error error = {0};
-	eskel_status status = eskel_volume_finish(exchange->volume, &error);
+	eskel_volume *volume = NULL;
+	eskel_status status = eskel_intake_finish(exchange->intake, &volume, &error);
 	if (!esk_problem_engine(&exchange->problem, status, &error))
 		return false;
-	const eskel_volume_info *info = eskel_volume_get_info(exchange->volume);
+	const eskel_volume_info *info = eskel_volume_get_info(volume);
 	specimens->warning_count = info->warning_count;
 	memcpy(specimens->warnings, info->warnings, sizeof specimens->warnings);
-	if (!take_labels(specimens, exchange->volume, said, &exchange->problem))
-		return false;
-	eskel_volume_free(exchange->volume);
-	exchange->volume = NULL;
-	return true;
+	const bool good = take_labels(specimens, volume, said, &exchange->problem);
+	eskel_volume_free(volume);
+	return good;
 }
 
 bool esk_specimens_take_unknown(eskel_exchange *exchange, esk_specimens *specimens)

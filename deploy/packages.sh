@@ -8,10 +8,10 @@
 set -eu
 
 build='build-essential cmake ninja-build pkg-config python3 python3-yaml libsqlite3-dev libmicrohttpd-dev libjansson-dev
-	liblapacke-dev libisal-dev zlib1g-dev libbz2-dev libcurl4-gnutls-dev nettle-dev libmeshoptimizer-dev'
+	liblapacke-dev libisal-dev zlib1g-dev libbz2-dev libcurl4-gnutls-dev nettle-dev libmeshoptimizer-dev dcmtk'
 trial='mricron-data curl'
 test='clang libclang-rt-14-dev libcmocka-dev mricron-data curl chromium-driver python3-numpy python3-scipy
-	python3-nibabel python3-jsonschema teem-apps python3-vtk9 assimp-utils'
+	python3-nibabel python3-jsonschema python3-pydicom teem-apps python3-vtk9 assimp-utils'
 bench='libcmocka-dev mricron-data wrk liblemon-dev libnifti-dev python3-numpy python3-scipy python3-nibabel
 	python3-sklearn python3-faiss python3-vtk9 python3-skimage'
 

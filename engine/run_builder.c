@@ -262,6 +262,15 @@ eskel_status esk_run_builder_add(esk_run_builder *b, const uint8_t *voxels, size
 	return status;
 }
 
+eskel_status esk_run_builder_add_run(esk_run_builder *builder, int32_t label, eskel_run run, eskel_error *error)
+{
+	uint32_t place;
+	eskel_status status = find_label(builder, label, &place, error);
+	if (status != ESKEL_OK || place == no_place)
+		return status;
+	return add_run(builder, &builder->table.items[place], run, error);
+}
+
 bool esk_run_builder_wants(const esk_run_builder *builder, int32_t label)
 {
 	return !builder->only_listed || esk_label_table_find(&builder->table, label);
@@ -270,15 +279,6 @@ bool esk_run_builder_wants(const esk_run_builder *builder, int32_t label)
 uint64_t esk_run_builder_place(const esk_run_builder *builder)
 {
 	return builder->x + builder->extent[0] * (builder->y + builder->extent[1] * (uint64_t)builder->z);
-}
-
-eskel_status esk_run_builder_add_run(esk_run_builder *builder, int32_t label, eskel_run run, eskel_error *error)
-{
-	uint32_t place;
-	eskel_status status = find_label(builder, label, &place, error);
-	if (status != ESKEL_OK || place == no_place)
-		return status;
-	return add_run(builder, &builder->table.items[place], run, error);
 }
 
 const esk_label_table *esk_run_builder_finish(esk_run_builder *builder)

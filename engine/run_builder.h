@@ -6,7 +6,7 @@
 
 typedef struct {
 	int32_t label;
-	eskel_run *runs; /* sorted, disjoint, maximal */
+	eskel_run *runs; /* sorted, disjoint and maximal where voxels came in file order */
 	size_t count, capacity;
 } esk_label_runs;
 

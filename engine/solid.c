@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t most_vertices = (size_t)3 * ESK_SOLID_MOST_TRIANGLES; /* below 2^26 */
+static const size_t most_vertices = (size_t)3 * ESK_SOLID_MOST_TRIANGLES; /* below 2^24 */
 
 /* Ten kilometres: whatever is farther out is not in millimetres. */
 static const double farthest_mm = 1e7;
@@ -140,7 +140,7 @@ end:
 	return status == ESKEL_OK ? status : esk_error_set(error, status, "memory ran out for %zu vertices", count);
 }
 
-/* An edge between vertices below 2^26, the lower one first, and whether the triangle goes down it. */
+/* An edge between vertices below 2^24, the lower one first, and whether the triangle goes down it. */
 static uint64_t edge_key(uint32_t from, uint32_t to)
 {
 	bool down = from > to;

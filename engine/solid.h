@@ -7,7 +7,7 @@
 
 #include "eskel.h"
 
-#define ESK_SOLID_MOST_TRIANGLES ((uint32_t)1 << 24)
+#define ESK_SOLID_MOST_TRIANGLES ((uint32_t)1 << 22)
 
 typedef struct {
 	float at[3]; /* mm */

@@ -54,7 +54,7 @@ static void note_header(esk_solid_reader *reader, const uint8_t *header)
 eskel_status esk_stl_begin_binary(esk_solid_reader *reader, const uint8_t *header, eskel_error *error)
 {
 	uint32_t count = esk_bytes_get_u32(header + esk_stl_comment_size);
-	if (count == 0 || count >> 24 > ESK_SOLID_MOST_TRIANGLES >> 24)
+	if (count == 0 || count >> 24 >= '\t') /* four characters of a text */
 		return ESKEL_NOT_VOLUME;
 	reader->format = "STL";
 	if (count > ESK_SOLID_MOST_TRIANGLES)

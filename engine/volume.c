@@ -38,7 +38,7 @@ enum { shortest_header = 4, largest_voxel = 8, largest_footer = 1 << 20 };
 static esk_header_reader *const header_readers[] = {
 	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header};
 
-typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, IN_MESH, FINISHED } phase;
+typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, IN_MESH, IN_RUNS, FINISHED } phase;
 
 struct eskel_volume {
 	phase phase;
@@ -276,7 +276,7 @@ static eskel_status begin_mesh(eskel_volume *v, eskel_error *error)
 	return take_mesh(v, v->header_bytes, v->header_size, error);
 }
 
-static eskel_status begin_body(eskel_volume *v, eskel_error *error)
+static eskel_status check_size(const eskel_volume *v, eskel_error *error)
 {
 	const uint32_t *extent = v->header.info.extent;
 	const uint64_t voxels = (uint64_t)extent[0] * extent[1] * extent[2];
@@ -299,6 +299,15 @@ static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 	if (v->weights && v->header.layer_count > 1)
 		return esk_error_set(error, ESKEL_UNSUPPORTED,
 			"the file has %u layers of segments, expected one weight a voxel", v->header.layer_count);
+	return ESKEL_OK;
+}
+
+static eskel_status begin_body(eskel_volume *v, eskel_error *error)
+{
+	const uint32_t *extent = v->header.info.extent;
+	eskel_status status = check_size(v, error);
+	if (status != ESKEL_OK)
+		return status;
 	if (v->weights)
 		esk_weight_builder_set_grid(v->weights, &v->header.voxels, extent);
 	esk_run_builder_set_grid(v->builder, &v->header.voxels, extent);
@@ -369,8 +378,9 @@ static eskel_status report(const eskel_volume *v, eskel_error *error)
 eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t size, eskel_error *error)
 {
 	eskel_error *kept = &volume->error;
-	if (kept->status == ESKEL_OK && volume->phase == FINISHED)
-		return esk_error_set(error, ESKEL_INVALID, "the volume is finished, no more bytes were expected");
+	if (kept->status == ESKEL_OK && volume->phase >= IN_RUNS)
+		return esk_error_set(error, ESKEL_INVALID, "the volume %s, no bytes were expected",
+			volume->phase == FINISHED ? "is finished" : "is made of runs");
 	if (kept->status != ESKEL_OK || size == 0)
 		return report(volume, error);
 	if (!volume->begun)
@@ -382,10 +392,64 @@ eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes, size_t s
 	return report(volume, error);
 }
 
+/* ---- runs in place of bytes */
+
+static eskel_status begin_runs(eskel_volume *v, const eskel_volume_info *info, eskel_error *error)
+{
+	if (v->begun)
+		return esk_error_set(error, ESKEL_INVALID, "the volume has begun, no runs were expected");
+	if (v->weights)
+		return esk_error_set(
+			error, ESKEL_UNSUPPORTED, "the file has segments of whole voxels, expected one weight a voxel");
+	for (int c = 0; c < 3; c++)
+		if (info->extent[c] < 1 || info->extent[c] > UINT16_MAX)
+			return esk_error_set(error, ESKEL_TOO_LARGE, "the grid's extent is %u, expected 1 to 65535",
+				info->extent[c]);
+	eskel_status status = eskel_affine_check(&info->affine, error);
+	v->begun = true;
+	v->phase = IN_RUNS;
+	v->header.info = *info;
+	v->header.layer_count = 1;
+	return status == ESKEL_OK ? check_size(v, error) : status;
+}
+
+eskel_status eskel_volume_begin_runs(eskel_volume *volume, const eskel_volume_info *info, eskel_error *error)
+{
+	if (volume->error.status == ESKEL_OK)
+		begin_runs(volume, info, &volume->error);
+	return report(volume, error);
+}
+
+eskel_status eskel_volume_name_label(eskel_volume *volume, int32_t label, const char *name, eskel_error *error)
+{
+	const esk_segment segment = {.label = label, .value = label, .name = (char *)name};
+	if (volume->error.status == ESKEL_OK && esk_segments_add(&volume->header.segments, &segment) != ESKEL_OK)
+		esk_error_set(&volume->error, ESKEL_NO_MEMORY, "memory ran out for the name of label %d", (int)label);
+	return report(volume, error);
+}
+
+eskel_status eskel_volume_add_run(eskel_volume *volume, int32_t label, eskel_run run, eskel_error *error)
+{
+	const uint32_t *extent = volume->header.info.extent;
+	if (volume->error.status != ESKEL_OK)
+		return report(volume, error);
+	if (volume->phase != IN_RUNS || run.x_first > run.x_last || run.x_last >= extent[0] || run.y >= extent[1] ||
+		run.z >= extent[2])
+		esk_error_set(&volume->error, ESKEL_INVALID, "the run of label %d at (%d, %d, %d) is outside the grid",
+			(int)label, run.x_first, run.y, run.z);
+	else
+		esk_run_builder_add_run(volume->builder, label, run, &volume->error);
+	return report(volume, error);
+}
+
+/* ---- the end */
+
 static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 {
 	if (!v->begun)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file is empty");
+	if (v->phase == IN_RUNS)
+		return ESKEL_OK;
 	if (v->file && !esk_decompressor_is_complete(v->file))
 		return esk_error_set(error, ESKEL_TRUNCATED, "the gzip data breaks off");
 	if (v->phase == IN_HEADER)

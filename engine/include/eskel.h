@@ -79,6 +79,7 @@ ESKEL_API double eskel_affine_determinant(const eskel_affine *affine);
 	X(ESKEL_WARNING_NAMES_ASSUMED, "names_assumed") \
 	X(ESKEL_WARNING_SELF_INTERSECTING, "self_intersecting") \
 	X(ESKEL_WARNING_VOLUME_DIFFERS, "volume_differs") \
+	X(ESKEL_WARNING_SLICE_DISTANCE, "slice_distance") \
 	X(ESKEL_WARNING_ANISOTROPIC, "anisotropic") \
 	X(ESKEL_WARNING_NOT_ORTHOGONAL, "not_orthogonal") \
 	X(ESKEL_WARNING_TOUCHES_BORDER, "touches_border") \
@@ -163,7 +164,7 @@ ESKEL_API void eskel_components_free(eskel_components *components);
  * refused.
  *
  * A closed mesh becomes a volume: STL (binary or ASCII), PLY (ASCII or binary) or OBJ, gzipped or not. Voxels whose centre
- * is inside have label 1, all else is outside; memory is bounded by the triangles, at most 2^24. Inside is where the
+ * is inside have label 1, all else is outside; memory is bounded by the triangles, at most 2^22. Inside is where the
  * winding number is not 0, so parts that overlap unite, with a warning that says how much is enclosed more than once or
  * inside out. Voxels are cubic: of the spacing that is given, along the axes; else about 100,000, on a turned grid, where
  * flat faces along the axes gain and lose no layers. A warning says where their volume is more than 1 % off the mesh's. An
@@ -193,7 +194,7 @@ ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
 /* The rest is for a finished volume. */
 typedef struct {
-	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "MGH", "STL", "PLY" or "OBJ", static */
+	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "MGH", "STL", "PLY", "OBJ" or what runs began with, static */
 	bool gzipped;                  /* the whole file, header and all */
 	uint32_t extent[3];
 	eskel_affine affine;
@@ -213,6 +214,15 @@ ESKEL_API const char *eskel_volume_label_name(const eskel_volume *volume, int32_
  * border of the grid. ESKEL_NOT_FOUND when no voxel has the label. */
 ESKEL_API eskel_status eskel_volume_border(const eskel_volume *volume, int32_t label, unsigned *sides);
 ESKEL_API eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel_cloud **cloud,
+	eskel_error *error);
+
+/* In place of feeding bytes, for objects that become runs elsewhere: first begin, with the format, the extent, the affine
+ * and the warnings; then the runs, in any order, and what their labels are called; then finish. Labels may overlap one
+ * another, none itself. Limits and kept labels are those of the options. ESKEL_INVALID for a run outside the grid. */
+ESKEL_API eskel_status eskel_volume_begin_runs(eskel_volume *volume, const eskel_volume_info *info,
+	eskel_error *error);
+ESKEL_API eskel_status eskel_volume_add_run(eskel_volume *volume, int32_t label, eskel_run run, eskel_error *error);
+ESKEL_API eskel_status eskel_volume_name_label(eskel_volume *volume, int32_t label, const char *name,
 	eskel_error *error);
 
 /* A cloud as the bytes of a file that a volume decoder reads back: the same cloud, bit for bit. Every voxel of it has the

@@ -2,6 +2,8 @@
 
 #include "label_names.h"
 
+#include "eskel_dicom.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,18 +22,18 @@ static esk_outcome read_labels(const esk_arguments *arguments, int32_t *labels, 
 	return ESK_DONE;
 }
 
-static esk_outcome decode(const char *path, FILE *file, eskel_volume *volume)
+static esk_outcome decode(const char *path, FILE *file, eskel_intake *intake, eskel_volume **volume)
 {
 	char piece[1 << 16];
 	eskel_error error = {0};
 	eskel_status status = ESKEL_OK;
 	size_t size;
 	while (!status && (size = fread(piece, 1, sizeof piece, file)) > 0)
-		status = eskel_volume_feed(volume, piece, size, &error);
+		status = eskel_intake_feed(intake, piece, size, &error);
 	if (ferror(file))
 		return esk_complain(ESK_MISUSED, "%s: %s", path, strerror(errno));
 	if (!status)
-		status = eskel_volume_finish(volume, &error);
+		status = eskel_intake_finish(intake, volume, &error);
 	return status ? esk_complain(ESK_REFUSED, "%s: %s", path, error.text) : ESK_DONE;
 }
 
@@ -60,6 +62,7 @@ static esk_outcome read_spacing(const esk_arguments *arguments, double *spacing)
 
 esk_outcome esk_volume_file_read(const char *path, const esk_arguments *arguments, eskel_volume **volume)
 {
+	eskel_intake *intake = NULL;
 	eskel_volume *made = NULL;
 	size_t count = 0;
 	double spacing = 0;
@@ -78,14 +81,15 @@ esk_outcome esk_volume_file_read(const char *path, const esk_arguments *argument
 		.label_count = count,
 		.weights = esk_arguments_value(arguments, "weights"),
 		.spacing = spacing};
-	if (!outcome && eskel_volume_new(&options, &made))
+	if (!outcome && eskel_intake_new(&options, NULL, &intake))
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	if (!outcome)
-		outcome = decode(path, file, made);
+		outcome = decode(path, file, intake, &made);
 	if (!outcome)
 		outcome = check_labels(path, made, labels, count);
 	if (file)
 		fclose(file);
+	eskel_intake_free(intake);
 	free(labels);
 	if (outcome)
 		eskel_volume_free(made);

@@ -494,7 +494,7 @@ static void bad_files_are_refused_in_their_own_words(void **state)
 		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1 0.5\n", ESKEL_MALFORMED,
 			"face 0 names vertex 0.5, expected a number from 0 on"},
 		{PLY VERTEX FACE "end_header\n" CORNERS "-3 0 1 2\n", ESKEL_MALFORMED,
-			"a list in row 0 has -3 values, expected 0 to 16777216"},
+			"a list in row 0 has -3 values, expected 0 to 4194304"},
 		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1 4\n", ESKEL_MALFORMED,
 			"triangle 0 names vertex 4, counted from 0, of 4"},
 		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1\n", ESKEL_TRUNCATED,
@@ -578,7 +578,7 @@ static void limits_are_kept(void **state)
 	const uint8_t too_many[4] = {1, 0, 0, 1};
 	memcpy(longer + 80, too_many, 4);
 	assert_refused(
-		longer, size, NULL, ESKEL_TOO_LARGE, "the mesh has 16777217 triangles, expected at most 16777216");
+		longer, size, NULL, ESKEL_TOO_LARGE, "the mesh has 16777217 triangles, expected at most 4194304");
 	free(longer);
 	mesh_free(&mesh);
 }

@@ -1,0 +1,56 @@
+#include "attributes.h"
+
+/* Sequences */
+#define SEGMENT_TYPE 0x0062000fu
+#define SEGMENT_TYPE_MODIFIER 0x00620011u
+#define REGION 0x00082218u
+#define REGION_MODIFIER 0x00082220u
+#define PLANE_POSITION 0x00209113u
+#define PLANE_ORIENTATION 0x00209116u
+#define PIXEL_MEASURES 0x00289110u
+#define SEGMENT_OF_FRAME 0x0062000au
+/* Elements of a code */
+#define CODE_VALUE 0x00080100u
+#define CODE_MEANING 0x00080104u
+
+/* Shared groups have the attributes of a frame's. */
+static const struct {
+	uint32_t root, parent, tag;
+	esk_attribute attribute;
+} wanted[] = {
+	{0, 0, 0x00080005, ESK_CHARACTER_SET},
+	{0, 0, 0x00080016, ESK_CLASS},
+	{0, 0, 0x00280002, ESK_SAMPLES},
+	{0, 0, 0x00280008, ESK_FRAME_COUNT},
+	{0, 0, 0x00280010, ESK_ROWS},
+	{0, 0, 0x00280011, ESK_COLUMNS},
+	{0, 0, 0x00280100, ESK_BITS},
+	{0, 0, 0x00280120, ESK_BACKGROUND},
+	{0, 0, 0x00620001, ESK_TYPE},
+	{0, 0, 0x0062000e, ESK_MOST_FRACTION},
+	{ESK_SEGMENTS, ESK_SEGMENTS, 0x00620004, ESK_NUMBER},
+	{ESK_SEGMENTS, ESK_SEGMENTS, 0x00620005, ESK_LABEL},
+	{ESK_SEGMENTS, SEGMENT_TYPE, CODE_MEANING, ESK_TYPE_MEANING},
+	{ESK_SEGMENTS, SEGMENT_TYPE_MODIFIER, CODE_VALUE, ESK_TYPE_SIDE_VALUE},
+	{ESK_SEGMENTS, SEGMENT_TYPE_MODIFIER, CODE_MEANING, ESK_TYPE_SIDE_MEANING},
+	{ESK_SEGMENTS, REGION, CODE_MEANING, ESK_REGION_MEANING},
+	{ESK_SEGMENTS, REGION_MODIFIER, CODE_VALUE, ESK_REGION_SIDE_VALUE},
+	{ESK_SEGMENTS, REGION_MODIFIER, CODE_MEANING, ESK_REGION_SIDE_MEANING},
+	{ESK_FRAME_GROUPS, PLANE_POSITION, 0x00200032, ESK_POSITION},
+	{ESK_FRAME_GROUPS, PLANE_ORIENTATION, 0x00200037, ESK_ORIENTATION},
+	{ESK_FRAME_GROUPS, PIXEL_MEASURES, 0x00280030, ESK_SPACING},
+	{ESK_FRAME_GROUPS, PIXEL_MEASURES, 0x00180050, ESK_THICKNESS},
+	{ESK_FRAME_GROUPS, PIXEL_MEASURES, 0x00180088, ESK_BETWEEN},
+	{ESK_FRAME_GROUPS, SEGMENT_OF_FRAME, 0x0062000b, ESK_FRAME_SEGMENT},
+};
+
+bool esk_attribute_find(const esk_element_place *place, esk_attribute *attribute)
+{
+	const uint32_t root = place->root == ESK_SHARED_GROUPS ? ESK_FRAME_GROUPS : place->root;
+	for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
+		if (wanted[i].tag == place->tag && wanted[i].parent == place->parent && wanted[i].root == root) {
+			*attribute = wanted[i].attribute;
+			return true;
+		}
+	return false;
+}
