@@ -1,6 +1,6 @@
 #include "walk.h"
 
-#include "eskel.h"
+#include "eskel_dicom.h"
 
 #include <errno.h>
 #include <fts.h>
@@ -32,19 +32,24 @@ static bool is_called_a_volume(const char *name)
 	return false;
 }
 
-/* As the server decides it: by how the file begins. */
+/* As the server decides it: by how the file begins, or by all of it where it is as short as that. */
 static bool begins_as_a_volume(const char *path)
 {
 	char bytes[4096];
+	eskel_intake *intake = NULL;
 	eskel_volume *volume = NULL;
 	FILE *file = fopen(path, "re");
 	const size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
-	bool is_volume = size > 0 && !eskel_volume_new(NULL, &volume) &&
-			 eskel_volume_feed(volume, bytes, size, NULL) != ESKEL_NOT_VOLUME;
+	eskel_status status = ESKEL_NOT_VOLUME;
+	if (size > 0 && !eskel_intake_new(NULL, NULL, &intake))
+		status = eskel_intake_feed(intake, bytes, size, NULL);
+	if (!status && size < sizeof bytes)
+		status = eskel_intake_finish(intake, &volume, NULL);
 	eskel_volume_free(volume);
+	eskel_intake_free(intake);
 	if (file)
 		fclose(file);
-	return is_volume;
+	return status != ESKEL_NOT_VOLUME;
 }
 
 /* Whether a link leads to a file below the folder, both without links. */
