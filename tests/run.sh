@@ -1,8 +1,11 @@
 #!/bin/sh
-# All tests, in three builds; warnings are errors:
+# All tests, in four builds; warnings are errors:
 #   gcc       optimised, as it is released
-#   clang     with the address and undefined-behaviour sanitizers, and zlib in place of ISA-L: all that is not labelled slow
+#   clang     with the address and undefined-behaviour sanitizers, and zlib in place of ISA-L: all that is not labelled slow or readme
 #   threads   with the thread sanitizer: the tests labelled threads or http
+#   fuzz      the same sanitizers as clang: each fuzzer for a minute
+#
+# Tests labelled sweep take minutes each and run when asked for: ctest --test-dir build-test-gcc -L sweep
 #
 #     sh tests/run.sh [BUILD...]
 #
@@ -16,13 +19,14 @@ if command -v ccache >/dev/null; then launcher=-DCMAKE_C_COMPILER_LAUNCHER=ccach
 passed=0
 failed=0
 
-# FOLDER COMPILER SANITIZERS ISAL, then CTest's options
+# FOLDER COMPILER SANITIZERS ISAL FUZZ, then CTest's options
 test_build() {
-	folder=$1 compiler=$2 sanitizers=$3 isal=$4
-	shift 4
+	folder=$1 compiler=$2 sanitizers=$3 isal=$4 fuzz=$5
+	shift 5
 	printf '\n== %s\n' "$folder"
 	cmake -S . -B "$folder" -G Ninja -DCMAKE_C_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-		-DESKEL_TESTS=ON -DESKEL_WERROR=ON -DESKEL_SANITIZE="$sanitizers" -DESKEL_ISAL="$isal" $launcher >/dev/null
+		-DESKEL_TESTS="$([ "$fuzz" = ON ] && echo OFF || echo ON)" -DESKEL_FUZZ="$fuzz" -DESKEL_WERROR=ON \
+		-DESKEL_SANITIZE="$sanitizers" -DESKEL_ISAL="$isal" $launcher >/dev/null
 	cmake --build "$folder" -- --quiet
 	ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@" 2>&1 |
 		tee "$folder/report"
@@ -33,13 +37,14 @@ test_build() {
 	passed=$((passed + $2 - $1))
 }
 
-[ $# -gt 0 ] || set -- gcc clang threads
+[ $# -gt 0 ] || set -- gcc clang threads fuzz
 for build; do
 	case $build in
-	gcc) test_build build-test-gcc gcc '' ON ;;
-	clang) test_build build-test-clang clang address,undefined OFF --label-exclude slow ;;
-	threads) test_build build-test-threads gcc thread ON --label-regex 'threads|http' ;;
-	*) echo "run.sh: $build is none of gcc, clang, threads" >&2; exit 2 ;;
+	gcc) test_build build-test-gcc gcc '' ON OFF --label-exclude sweep ;;
+	clang) test_build build-test-clang clang address,undefined OFF OFF --label-exclude 'slow|sweep|readme' ;;
+	threads) test_build build-test-threads gcc thread ON OFF --label-regex 'threads|http' ;;
+	fuzz) test_build build-test-fuzz clang address,undefined ON ON --tests-regex '^fuzz_' ;;
+	*) echo "run.sh: $build is none of gcc, clang, threads, fuzz" >&2; exit 2 ;;
 	esac
 done
 
