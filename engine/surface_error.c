@@ -15,12 +15,14 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum {
 	FACES_MOST = 10000,
 	PIECE = 128, /* samples, or voxels of a row, at once */
-	FOOT_STEPS = 30,
+	FOOT_STEPS = 20,
 };
+static const double tiny_step = 1e-3; /* voxels: the foot is found */
 /* The mesh's step: a voxel, but no fewer than 8 and no more than 64 on the side of a cube of the volume. */
 static const double cells_least = 8, cells_most = 64;
 
@@ -51,52 +53,69 @@ static double distance_to_vertex(const void *context, uint32_t vertex, const dou
 		    (v[2] - point[2]) * (v[2] - point[2]));
 }
 
-/* Where a step onto the surface and along it leads; how long it is. */
-static double step_to_foot(const eskel_surface *surface, const double point[3], double longest, double at[3])
+/* The feet of points, from where they are at first; found is whether the last step was tiny. */
+typedef struct {
+	size_t count;
+	double points[PIECE][3], feet[PIECE][3];
+	bool found[PIECE];
+} feet;
+
+/* A step onto the surface and along it; how long it is. */
+static double take_step(const double point[3], double value, const double gradient[3], double longest, double foot[3])
 {
-	double gradient[3], square = 0, along = 0, moved = 0;
-	const double value = eskel_surface_gradient(surface, at, gradient);
+	double square = 0, along = 0, moved = 0;
 	for (int r = 0; r < 3; r++)
 		square += gradient[r] * gradient[r];
 	if (!(square > 0))
 		return INFINITY;
 	for (int r = 0; r < 3; r++)
-		along += (point[r] - at[r]) * gradient[r] / square;
+		along += (point[r] - foot[r]) * gradient[r] / square;
 	const double limit = longest / sqrt(square);
 	const double onto = fmin(fmax(value / square, -limit), limit);
 	for (int r = 0; r < 3; r++) {
-		const double step = (point[r] - at[r] - along * gradient[r]) / 2 - onto * gradient[r];
-		at[r] += step;
+		const double step = (point[r] - foot[r] - along * gradient[r]) / 2 - onto * gradient[r];
+		foot[r] += step;
 		moved += step * step;
 	}
 	return sqrt(moved);
 }
 
-static double distance_to_surface(const work *w, const double point[3])
+static void find_feet(const work *w, feet *f)
 {
-	uint32_t vertex;
-	const double bound = esk_nearest_find(w->vertices, point, 0, distance_to_vertex, w->places, &vertex);
-	const double *start = w->places[vertex], tiny = 1e-3 * w->boundary->spacing;
-	double at[3] = {start[0], start[1], start[2]};
-	for (int i = 0; i < FOOT_STEPS; i++)
-		if (step_to_foot(w->surface, point, w->boundary->spacing, at) < tiny)
-			return fmin(bound, distance_to_vertex(at, 0, point));
-	return bound;
+	double values[PIECE], gradients[PIECE][3];
+	const double spacing = w->boundary->spacing;
+	for (int step = 0; step < FOOT_STEPS; step++) {
+		esk_composition_gradients(
+			&w->surface->composition, f->count, (const double(*)[3])f->feet, values, gradients);
+		for (size_t i = 0; i < f->count; i++)
+			if (!f->found[i])
+				f->found[i] = take_step(f->points[i], values[i], gradients[i], spacing, f->feet[i]) <
+					      tiny_step * spacing;
+	}
 }
 
 static void measure_faces(void *context, size_t piece)
 {
 	work *w = context;
-	for (size_t i = piece * PIECE; i < (piece + 1) * PIECE && i < w->face_count; i++) {
-		const double *point = w->boundary->points[w->faces[i]];
-		double gradient[3];
-		const double value = eskel_surface_gradient(w->surface, point, gradient), far = value / w->length;
-		const double x = gradient[0], y = gradient[1], z = gradient[2];
-		w->deltas[i] = fabs(value) / sqrt(x * x + y * y + z * z + far * far + 1e-300);
-		w->to_surface[i].distance = distance_to_surface(w, point);
-		w->to_surface[i].weight = w->face_count == w->boundary->count
-						  ? w->boundary->areas[w->boundary->directions[w->faces[i]] / 2]
-						  : 1;
+	const size_t first = piece * PIECE;
+	double values[PIECE], gradients[PIECE][3], bounds[PIECE];
+	feet f = {.count = w->face_count - first < PIECE ? w->face_count - first : PIECE};
+	for (size_t i = 0; i < f.count; i++) {
+		uint32_t vertex;
+		memcpy(f.points[i], w->boundary->points[w->faces[first + i]], sizeof f.points[i]);
+		bounds[i] = esk_nearest_find(w->vertices, f.points[i], 0, distance_to_vertex, w->places, &vertex);
+		memcpy(f.feet[i], w->places[vertex], sizeof f.feet[i]);
+	}
+	esk_composition_gradients(&w->surface->composition, f.count, (const double(*)[3])f.points, values, gradients);
+	find_feet(w, &f);
+	for (size_t i = 0; i < f.count; i++) {
+		const double x = gradients[i][0], y = gradients[i][1], z = gradients[i][2], far = values[i] / w->length;
+		const double to_foot = distance_to_vertex(f.feet, (uint32_t)i, f.points[i]);
+		const uint8_t direction = w->boundary->directions[w->faces[first + i]];
+		w->deltas[first + i] = fabs(values[i]) / sqrt(x * x + y * y + z * z + far * far + 1e-300);
+		w->to_surface[first + i].distance = f.found[i] ? fmin(bounds[i], to_foot) : bounds[i];
+		w->to_surface[first + i].weight =
+			w->face_count == w->boundary->count ? w->boundary->areas[direction / 2] : 1;
 	}
 }
 
