@@ -28,7 +28,10 @@ static const double exponent_range[2] = {0.2, 1.8};
 static const double alpha_range[2] = {0.5, 10};
 static const double taper_most = 1.2, bend_most = 1, twist_most = 1.5, further_most = 0.8;
 
-enum { STAGES = 3 };
+/* How much farther residuals reach at first, the second time: as far as the whole is wide. */
+static const double far_reach = 10;
+
+enum { STAGES = 3, RUNS_OF_FIRST = 3 };
 static const uint32_t stage_steps[STAGES] = {80, 60, 60};
 
 /* A stage ends when PATIENCE steps together gain less than this share. */
@@ -39,12 +42,14 @@ typedef struct {
 	size_t count; /* parameters of a class */
 	bool is_free[ESK_PARAMETERS_ALL];
 	uint32_t steps;
+	double reach; /* the length at which residuals saturate, in those of the points */
 } stage;
 
 typedef struct {
 	const esk_joint_options *options;
 	uint32_t count;
 	const eskel_primitive *origin;
+	double length;
 	esk_normal_equations *equations;
 	size_t parameters; /* of all classes, in the present stage */
 	double *matrix, *factor, *vector, *step;
@@ -130,10 +135,11 @@ static double pull_cost(const work *w, const eskel_primitive *primitives, size_t
 	return pull_weight(w) * sum;
 }
 
-static double measure(work *w, const eskel_primitive *primitives, size_t count)
+static double measure(work *w, const eskel_primitive *primitives, const stage *s)
 {
 	esk_composition_make(primitives, w->count, ESKEL_COMPOSE_BLEND, &w->composition);
-	return esk_normal_equations_measure(w->equations, &w->composition) + pull_cost(w, primitives, count);
+	return esk_normal_equations_measure(w->equations, &w->composition, s->reach * w->length) +
+	       pull_cost(w, primitives, s->count);
 }
 
 /* The equations for a step from now, with the pull; what is held has none. */
@@ -260,7 +266,7 @@ static eskel_status run_stage(work *w, const stage *s)
 	uint32_t accepted = 0;
 	const uint32_t end = w->steps_done + s->steps;
 	w->parameters = w->count * s->count;
-	w->cost = measure(w, w->now, s->count);
+	w->cost = measure(w, w->now, s);
 	bool is_new = true;
 	while (w->steps_done < end) {
 		if (is_new)
@@ -269,7 +275,7 @@ static eskel_status run_stage(work *w, const stage *s)
 		double cost = INFINITY;
 		if (solve(w, damping)) {
 			take_step(w, s);
-			cost = measure(w, w->next, s->count);
+			cost = measure(w, w->next, s);
 		}
 		if (cost < w->cost) {
 			const double ratio = (w->cost - cost) / expected_gain(w), lean = 2 * ratio - 1;
@@ -311,7 +317,7 @@ size_t esk_joint_free(eskel_fit_freedom freedom, bool is_free[ESK_PARAMETERS_ALL
 static stage make_stage(const esk_joint_options *options, int number)
 {
 	static const size_t counts[STAGES] = {ESK_PARAMETERS_SMOOTH, ESK_PARAMETERS_USUAL, ESK_PARAMETERS_ALL};
-	stage s = {.count = counts[number], .steps = stage_steps[number]};
+	stage s = {.count = counts[number], .steps = stage_steps[number], .reach = 1};
 	esk_joint_free(options->freedom, s.is_free);
 	for (size_t p = 0; p < ESK_PARAMETERS_ALL; p++)
 		s.is_free[p] = s.is_free[p] && (p == ESK_ALPHA || !options->only_alphas);
@@ -332,7 +338,7 @@ uint32_t esk_joint_steps(const esk_joint_options *options)
 {
 	uint32_t steps = 0;
 	for (int number = first_stage(options); number <= last_stage(options); number++)
-		steps += stage_steps[number];
+		steps += stage_steps[number] * (number == 0 ? RUNS_OF_FIRST : 1);
 	return steps;
 }
 
@@ -349,6 +355,30 @@ static eskel_status prepare(work *w, const esk_fit_points *points)
 	return esk_normal_equations_new(points, w->count, most, w->options->team, &w->equations);
 }
 
+/* Twice: as it is, and after steps in which residuals reach farther. These find parts that are off by more than residuals
+ * saturate at, but may be led astray. Keeps what costs less. */
+static eskel_status run_first_stage(work *w)
+{
+	eskel_primitive start[ESKEL_LEVELS_MAX], kept[ESKEL_LEVELS_MAX];
+	const stage near = make_stage(w->options, 0);
+	stage far = near;
+	far.reach = far_reach;
+	memcpy(start, w->now, sizeof start);
+	eskel_status status = run_stage(w, &near);
+	const double cost = w->cost;
+	memcpy(kept, w->now, sizeof kept);
+	memcpy(w->now, start, sizeof start);
+	if (!status)
+		status = run_stage(w, &far);
+	if (!status)
+		status = run_stage(w, &near);
+	if (!status && cost <= w->cost) {
+		memcpy(w->now, kept, sizeof kept);
+		w->cost = cost;
+	}
+	return status;
+}
+
 eskel_status esk_joint_fit(const esk_fit_points *points, const esk_joint_options *options, uint32_t count,
 	const eskel_primitive *origin, eskel_primitive *primitives, double *cost)
 {
@@ -359,10 +389,14 @@ eskel_status esk_joint_fit(const esk_fit_points *points, const esk_joint_options
 	w->options = options;
 	w->count = count;
 	w->origin = origin;
+	w->length = points->length;
 	w->steps_all = esk_joint_steps(options);
 	memcpy(w->now, primitives, count * sizeof *primitives);
 	status = prepare(w, points);
-	for (int number = first_stage(options); number <= last_stage(options) && !status; number++) {
+	if (!status && first_stage(options) == 0)
+		status = run_first_stage(w);
+	for (int number = first_stage(options) > 0 ? first_stage(options) : 1; number <= last_stage(options) && !status;
+		number++) {
 		const stage s = make_stage(options, number);
 		status = run_stage(w, &s);
 	}

@@ -33,6 +33,7 @@ struct esk_normal_equations {
 	esk_lanes *rows; /* [group][class_count][most]: J times the square root of the weight; of near classes only */
 	/* The call's. */
 	const esk_composition *composition;
+	double length;
 	size_t count;
 	double *matrix, *vector;
 };
@@ -115,7 +116,7 @@ static void measure_group(esk_normal_equations *e, size_t g)
 	for (int l = 0; l < ESK_LANES; l++)
 		for (int r = 0; r < 3; r++)
 			gradients[r][l] = along[l][r];
-	saturate(values, gradients, e->points->length, deltas, roots);
+	saturate(values, gradients, e->length, deltas, roots);
 	e->costs[g] = 0;
 	for (int l = 0; l < ESK_LANES; l++) {
 		double residual = sign_of(group->kind) * deltas[l] + group->margins[l];
@@ -133,8 +134,9 @@ static void measure_part(void *context, size_t part)
 		measure_group(e, g);
 }
 
-double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition)
+double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition, double length)
 {
+	equations->length = length;
 	equations->composition = composition;
 	esk_team_run(equations->team, PARTS, measure_part, equations);
 	double sum = 0;
@@ -177,12 +179,12 @@ static void derive_group(esk_normal_equations *e, size_t g, esk_derivatives *scr
 	esk_lanes values, gradients[3], deltas, roots, factors;
 	esk_composition_derive(
 		e->composition, group->points, e->count, least_weight, values, gradients, is_near, scratch);
-	saturate(values, gradients, e->points->length, deltas, roots);
+	saturate(values, gradients, e->length, deltas, roots);
 	for (int l = 0; l < ESK_LANES; l++)
 		factors[l] = e->residuals[g][l] != 0 ? sign_of(group->kind) * sqrt(group->weights[l]) : 0;
 	for (uint32_t i = 0; i < e->class_count; i++)
 		if (is_near[i])
-			derive_residuals(&scratch[i], e->count, values, gradients, roots, factors, e->points->length,
+			derive_residuals(&scratch[i], e->count, values, gradients, roots, factors, e->length,
 				&e->rows[(g * e->class_count + i) * e->most]);
 }
 

@@ -16,8 +16,8 @@ eskel_status esk_normal_equations_new(const esk_fit_points *points, uint32_t cla
 	esk_team *team, esk_normal_equations **equations);
 void esk_normal_equations_free(esk_normal_equations *equations);
 
-/* The weighted sum of squares of the residuals, mm^2. They stay for the next call. */
-double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition);
+/* The weighted sum of squares of the residuals, mm^2, with L = length. They stay for the next call. */
+double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition, double length);
 
 /* J^T J and J^T r for the composition that was measured last and the first count parameters of each class, those of class i
  * from i count on: the upper triangle of matrix[n][n], vector[n], n = class_count count. */

@@ -24,6 +24,7 @@ typedef struct {
 	esk_normal_equations *equations;
 	bool is_free[ESK_PARAMETERS_ALL];
 	size_t count;
+	double length;
 	uint64_t random;
 } search;
 
@@ -45,7 +46,7 @@ static double cost_of(const search *s, const vertex *v)
 	eskel_primitive primitive;
 	place(s, v, &primitive);
 	esk_composition_make(&primitive, 1, ESKEL_COMPOSE_BLEND, &composition);
-	return esk_normal_equations_measure(s->equations, &composition);
+	return esk_normal_equations_measure(s->equations, &composition, s->length);
 }
 
 /* Alpha of a single primitive changes nothing. */
@@ -123,7 +124,7 @@ static uint32_t nearest_class(const eskel_primitive *primitives, uint32_t count,
 static eskel_status fit_class(const esk_fit_points *points, const esk_tabu_options *options, uint32_t index,
 	const eskel_primitive *origin, eskel_primitive *primitive)
 {
-	search s = {.options = options, .origin = origin, .random = options->seed + index};
+	search s = {.options = options, .origin = origin, .length = points->length, .random = options->seed + index};
 	esk_joint_options polish = options->joint;
 	polish.progress = NULL;
 	s.count = esk_joint_free(polish.freedom, s.is_free);

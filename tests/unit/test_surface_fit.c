@@ -59,6 +59,8 @@ static void deform(const eskel_surface *plain, eskel_primitive *primitives)
 	}
 }
 
+static const double length = 2; /* mm, at which residuals saturate */
+
 enum { CLASSES = 3, ALL = CLASSES * ESK_PARAMETERS_ALL };
 
 static double measure_stepped(
@@ -71,7 +73,7 @@ static double measure_stepped(
 	esk_primitive_step(&moved[parameter / ESK_PARAMETERS_ALL], step, ESK_PARAMETERS_ALL,
 		&moved[parameter / ESK_PARAMETERS_ALL]);
 	esk_composition_make(moved, CLASSES, ESKEL_COMPOSE_BLEND, c);
-	return esk_normal_equations_measure(e, c);
+	return esk_normal_equations_measure(e, c, length);
 }
 
 /* Column p of the Jacobian, by differences of residuals. */
@@ -266,7 +268,7 @@ static void hopping_is_never_worse(void **state)
 		const eskel_fit_options options = {
 			.method = hops ? ESKEL_FIT_HOPPING : ESKEL_FIT_JOINT, .hops = 4, .boundary_points = 300};
 		eskel_reconstruction *r = fit(&f, 2, &options);
-		costs[hops] = esk_normal_equations_measure(e, &r->surface->composition);
+		costs[hops] = esk_normal_equations_measure(e, &r->surface->composition, f.points->length);
 		eskel_reconstruction_free(r);
 	}
 	/* The pull to the start, which counts in what is kept, is not in these. */
