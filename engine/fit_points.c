@@ -19,7 +19,7 @@ static const double steps[] = {1, 2, 4};
 enum { STEPS = sizeof steps / sizeof *steps };
 /* The box is wider than the cloud by this share on each side, and two voxels. */
 static const double rim = 0.15;
-/* Of each kind but the boundary, far ones to near ones. Twice as many candidates are tried for them as a box full needs. */
+/* Tried for each far point at most: a shape that fills a sixtieth of its box still gets all. */
 enum { CANDIDATES_EACH = 64 };
 
 typedef struct {

@@ -16,7 +16,7 @@ typedef struct {
 	esk_team *team;
 } esk_joint_options;
 
-/* How many steps are reported at most, and so the last one is. */
+/* What progress is told of as all steps; a stage that ends early skips the rest of its own. */
 uint32_t esk_joint_steps(const esk_joint_options *options);
 
 /* Which parameters (primitive.h) a freedom leaves free, and how many there are up to the last of these. */
