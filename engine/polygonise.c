@@ -2,7 +2,8 @@
  *
  * The surface is followed (continuation.h), nodes next to it are snapped to it (snapping.h), and each tetrahedron with nodes
  * inside and outside gives a triangle or a quadrangle, whose corners lie on its edges: a vertex is a cut of an edge, or a
- * snapped node. Vertices are found on their edges by regula falsi; then quadrangles are divided along the shorter diagonal.
+ * snapped node. Vertices are numbered by block, direction of the edge, and place, so that a number is that of the first
+ * vertex of its kind and the count of bits below it. They are found on their edges by regula falsi; then quadrangles are divided along the shorter diagonal.
  *
  * In a row of tetrahedra that share a face, each has one edge of the mesh in it: the mesh is closed and a manifold whatever
  * the field is, and its triangles are oriented as the tetrahedra are. */
@@ -10,6 +11,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "lanes.h"
 #include "mesh.h"
 #include "roots.h"
 #include "snapping.h"
@@ -20,10 +22,12 @@
 
 static const size_t default_triangles_max = (size_t)1 << 24;
 
+#define NO_VERTEX UINT32_MAX
+
 static const double longest_box = 1 << 20; /* in steps; coordinates of the lattice are at most twice that */
 
 typedef struct {
-	uint32_t corners[4]; /* vertices; the last is ESK_NO_NODE in a triangle */
+	uint32_t corners[4]; /* vertices; the last is NO_VERTEX in a triangle */
 } polygon;
 
 /* The nodes of the edge that a vertex lies on. */
@@ -41,10 +45,9 @@ typedef struct {
 	const esk_field *field;
 	esk_trace trace;
 	esk_star star;
-	crossing crossings[16];
-	uint8_t *states, *cuts; /* as esk_snap */
+	crossing crossings[2][16]; /* of tetrahedra, and of reversed ones */
 	edge *edges;
-	size_t edge_count, edge_capacity;
+	size_t edge_count;
 	polygon *polygons;
 	size_t polygon_count, polygon_capacity;
 	size_t triangle_count;
@@ -52,69 +55,98 @@ typedef struct {
 
 static void clear(work *w)
 {
-	esk_trace_clear(&w->trace);
-	free(w->states);
-	free(w->cuts);
+	esk_lattice_clear(&w->trace.lattice);
 	free(w->edges);
 	free(w->polygons);
 }
 
-static bool add_vertex(work *w, edge e, uint32_t *vertex)
+/* ---- vertices */
+
+enum { SNAPPED = ESK_DIRECTIONS }; /* the kind of vertex after those on edges by direction */
+
+static uint64_t vertices_of(const esk_block *block, int kind)
 {
-	void *edges = w->edges;
-	if (!esk_memory_reserve(&edges, &w->edge_capacity, w->edge_count + 1, sizeof *w->edges))
-		return false;
-	w->edges = edges;
-	w->edges[w->edge_count] = e;
-	*vertex = (uint32_t)w->edge_count++;
-	return true;
+	return kind == SNAPPED ? block->words[ESK_SNAPPED] : block->cuts[kind];
 }
 
-/* The vertex of a snapped node lies on the edge whose cut is nearest to it. */
-static bool snapped_vertex(work *w, uint32_t node, uint32_t *vertex)
+/* Edges from active nodes on, from inside to outside, of which neither end is snapped. */
+static void find_cuts(const esk_lattice *l, uint32_t b)
 {
-	esk_active *active = &w->trace.actives[w->trace.lattice.active[node]];
-	uint32_t *known = &active->vertices[ESK_DIRECTIONS];
-	if (*known == ESK_NO_NODE) {
-		const uint32_t other = active->neighbours[w->cuts[active - w->trace.actives]];
-		const bool inside = esk_trace_inside(&w->trace, node);
-		if (!add_vertex(w, inside ? (edge){node, other} : (edge){other, node}, known))
-			return false;
+	esk_block *block = &l->blocks[b];
+	uint64_t inside[ESK_AROUND], snapped[ESK_AROUND];
+	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
+	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
+	for (int d = 0; d < ESK_DIRECTIONS; d++)
+		block->cuts[d] =
+			block->words[ESK_ACTIVE] & (inside[ESK_OWN] ^ inside[d]) & ~(snapped[ESK_OWN] | snapped[d]);
+}
+
+static edge edge_of(const esk_lattice *l, uint32_t node, int kind)
+{
+	const uint32_t other = kind == SNAPPED ? esk_snap_other(l, node) : esk_lattice_next(l, node, kind);
+	return esk_lattice_value(l, node) < 0 ? (edge){node, other} : (edge){other, node};
+}
+
+static void add_edges(work *w, uint32_t block, int kind)
+{
+	const esk_lattice *l = &w->trace.lattice;
+	for (uint64_t rest = vertices_of(&l->blocks[block], kind); rest; rest &= rest - 1)
+		w->edges[w->edge_count++] = edge_of(l, block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest), kind);
+}
+
+static bool make_vertices(work *w)
+{
+	const esk_lattice *l = &w->trace.lattice;
+	size_t count = 0;
+	for (size_t b = 0; b < l->block_count; b++) {
+		find_cuts(l, (uint32_t)b);
+		for (int kind = 0; kind <= SNAPPED; kind++) {
+			l->blocks[b].first[kind] = (uint32_t)count;
+			count += (size_t)__builtin_popcountll(vertices_of(&l->blocks[b], kind));
+		}
 	}
-	*vertex = *known;
-	return true;
+	w->edges = esk_memory_array(count, sizeof *w->edges);
+	for (size_t b = 0; b < l->block_count && w->edges; b++)
+		for (int kind = 0; kind <= SNAPPED; kind++)
+			add_edges(w, (uint32_t)b, kind);
+	return w->edges;
 }
 
-/* The vertex between two corners of a cell, of which the second is outside. */
-static bool cut_vertex(work *w, const esk_star_cell *cell, const uint32_t nodes[4], int in, int out, uint32_t *vertex)
+/* ---- polygons */
+
+/* A cube of eight nodes, by their masks. */
+typedef struct {
+	uint32_t first;
+	unsigned inside, snapped, active; /* a bit each */
+} cube;
+
+ESK_IN_LANES uint32_t vertex_at(const esk_lattice *l, uint32_t node, int kind)
 {
-	if (w->states[nodes[out]] & ESK_SNAPPED)
-		return snapped_vertex(w, nodes[out], vertex);
-	const int lower = in < out ? in : out, upper = in < out ? out : in;
-	const int direction = cell->masks[upper] & ~cell->masks[lower];
-	const uint32_t active = w->trace.lattice.active[nodes[lower]];
-	uint32_t *known = &w->trace.actives[active].vertices[direction - 1];
-	if (*known == ESK_NO_NODE && !add_vertex(w, (edge){nodes[in], nodes[out]}, known))
-		return false;
-	*vertex = *known;
-	return true;
+	const esk_block *block = esk_lattice_block(l, node);
+	const uint64_t before = vertices_of(block, kind) & (esk_lattice_bit(node) - 1);
+	return block->first[kind] + (uint32_t)__builtin_popcountll(before);
 }
 
-/* Corners that are the same vertex, one after another, count once. */
-static bool add_polygon(work *w, const uint32_t *corners, int count)
+/* The vertex between two corners, of which the second is outside. */
+ESK_IN_LANES uint32_t vertex_between(const esk_lattice *l, const cube *c, unsigned in, unsigned out)
 {
-	polygon p = {{ESK_NO_NODE, ESK_NO_NODE, ESK_NO_NODE, ESK_NO_NODE}};
+	if (c->snapped >> out & 1)
+		return vertex_at(l, esk_lattice_next(l, c->first, esk_slot_of((int)out, false)), SNAPPED);
+	const unsigned lower = in < out ? in : out, upper = in < out ? out : in;
+	const uint32_t node = esk_lattice_next(l, c->first, esk_slot_of((int)lower, false));
+	return vertex_at(l, node, (int)(upper & ~lower) - 1);
+}
+
+/* Corners that are the same vertex, one after another, count once. There is room. */
+ESK_IN_LANES void add_polygon(work *w, const uint32_t *corners, int count)
+{
+	polygon p = {{NO_VERTEX, NO_VERTEX, NO_VERTEX, NO_VERTEX}};
 	int kept = 0;
 	for (int c = 0; c < count; c++)
-		if (corners[c] != corners[(c + 1) % count])
+		if (corners[c] != corners[c + 1 < count ? c + 1 : 0])
 			p.corners[kept++] = corners[c];
-	void *polygons = w->polygons;
-	if (!esk_memory_reserve(&polygons, &w->polygon_capacity, w->polygon_count + 1, sizeof *w->polygons))
-		return false;
-	w->polygons = polygons;
 	w->polygons[w->polygon_count++] = p;
 	w->triangle_count += (size_t)kept - 2;
-	return true;
 }
 
 /* Which edges of a tetrahedron with a set of corners inside its polygon has its own corners on: from a corner inside to one
@@ -122,13 +154,13 @@ static bool add_polygon(work *w, const uint32_t *corners, int count)
  *
  * Of corners a, b, c, d of positive volume, (b - a) x (c - a) points to d. So with a alone inside, its cuts to b, c, d run
  * counterclockwise; with d alone outside, the cuts from a, b, c to it do; with a and b inside, ac, ad, bd, bc. */
-static void make_crossing(unsigned inside_set, crossing *made)
+static void make_crossing(unsigned inside_set, bool reversed, crossing *made)
 {
 	static const uint8_t edges[4][4][2] = {
 		{{0}}, {{0, 1}, {0, 2}, {0, 3}}, {{0, 2}, {0, 3}, {1, 3}, {1, 2}}, {{0, 3}, {1, 3}, {2, 3}}};
 	uint8_t order[4], others[4]; /* corners inside first */
 	int inside = 0, outside = 0;
-	bool odd = false;
+	bool odd = reversed;
 	for (uint8_t c = 0; c < 4; c++)
 		if (inside_set >> c & 1) {
 			order[inside++] = c;
@@ -146,52 +178,76 @@ static void make_crossing(unsigned inside_set, crossing *made)
 	}
 }
 
-static bool add_cell(work *w, const esk_star_cell *cell, const uint32_t nodes[4])
-{
-	unsigned inside = 0;
-	for (int c = 0; c < 4; c++)
-		inside |= (w->states[nodes[c]] & (unsigned)ESK_INSIDE) << c;
-	const crossing *x = &w->crossings[inside];
-	uint32_t corners[4];
-	for (int e = 0; e < x->count; e++)
-		if (!cut_vertex(w, cell, nodes, x->edges[e][0], x->edges[e][1],
-			    &corners[cell->reversed ? x->count - 1 - e : e]))
-			return false;
-	return add_polygon(w, corners, x->count);
-}
-
 /* Not where the corners outside are all snapped and more than one is inside: they shrink the polygon to an edge or a vertex.
  * Sets are of at most four corners. */
-static bool has_area(unsigned inside, unsigned outside, unsigned snapped)
+ESK_IN_LANES bool has_area(unsigned inside, unsigned outside, unsigned snapped)
 {
 	const bool is_one_inside = !(inside & (inside - 1));
 	return is_one_inside || outside != snapped;
 }
 
-/* The cells around an active node that are no earlier one's. */
-static bool add_star(work *w, const esk_active *active)
+ESK_IN_LANES void add_tetrahedron(work *w, const cube *c, const esk_tetrahedron *t)
 {
-	/* The node itself is in the slot after those of its neighbours. */
-	unsigned inside = 0, snapped = 0, earlier = 0;
-	for (int s = 0; s <= ESK_NEIGHBOURS; s++) {
-		const uint32_t node = s < ESK_NEIGHBOURS ? active->neighbours[s] : active->node;
-		const unsigned state = w->states[node];
-		inside |= (state & ESK_INSIDE) << s;
-		snapped |= (state / ESK_SNAPPED & 1) << s;
-		earlier |= (state / ESK_ACTIVE & (node < active->node)) << s;
+	unsigned inside = 0;
+	for (int i = 0; i < 4; i++)
+		inside |= (c->inside >> t->corners[i] & 1) << i;
+	const crossing *x = &w->crossings[t->reversed][inside];
+	uint32_t corners[4];
+	for (int e = 0; e < x->count; e++)
+		corners[e] =
+			vertex_between(&w->trace.lattice, c, t->corners[x->edges[e][0]], t->corners[x->edges[e][1]]);
+	add_polygon(w, corners, x->count);
+}
+
+ESK_IN_LANES unsigned corner_bits(const uint64_t near[ESK_AROUND], int place)
+{
+	unsigned bits = 0;
+	for (int m = 0; m < 8; m++)
+		bits |= (unsigned)(near[esk_slot_of(m, false)] >> place & 1) << m;
+	return bits;
+}
+
+/* All corners of a tetrahedron with an active one are known. */
+ESK_IN_LANES void add_cube(work *w, const cube *c)
+{
+	for (int t = 0; t < ESK_TETRAHEDRA; t++) {
+		const unsigned all = w->star.tetrahedra[t].set, inside = c->inside & all, outside = all & ~inside;
+		if (c->active & all && inside && outside && has_area(inside, outside, c->snapped & all))
+			add_tetrahedron(w, c, &w->star.tetrahedra[t]);
 	}
-	const unsigned own = 1u << ESK_NEIGHBOURS;
-	uint32_t cells = esk_star_cells(&w->star, inside & own ? ~inside : inside) & ~esk_star_cells(&w->star, earlier);
-	for (; cells; cells &= cells - 1) {
-		const esk_star_cell *cell = &w->star.cells[__builtin_ctz(cells)];
-		const unsigned all = cell->others | own;
-		if (!has_area(inside & all, ~inside & all, snapped & all))
-			continue;
-		uint32_t nodes[4];
-		for (int c = 0; c < 4; c++)
-			nodes[c] = cell->slots[c] == ESK_NEIGHBOURS ? active->node : active->neighbours[cell->slots[c]];
-		if (!add_cell(w, cell, nodes))
-			return false;
+}
+
+/* The cubes from nodes of a block on that the surface may cross. */
+ESK_IN_LANES uint64_t find_cubes(const uint64_t inside[ESK_AROUND], const uint64_t active[ESK_AROUND])
+{
+	uint64_t any_active = 0, any_inside = 0, all_inside = UINT64_MAX;
+	for (int m = 0; m < 8; m++) {
+		const int slot = esk_slot_of(m, false);
+		any_active |= active[slot];
+		any_inside |= inside[slot];
+		all_inside &= inside[slot];
+	}
+	return any_active & any_inside & ~all_inside;
+}
+
+ESK_EVERY_WIDTH static bool add_cubes(work *w, uint32_t b)
+{
+	const esk_lattice *l = &w->trace.lattice;
+	uint64_t inside[ESK_AROUND], snapped[ESK_AROUND], active[ESK_AROUND];
+	const size_t most = w->polygon_count + ESK_TETRAHEDRA * ESK_PLACES;
+	void *polygons = w->polygons;
+	if (!esk_memory_reserve(&polygons, &w->polygon_capacity, most, sizeof *w->polygons))
+		return false;
+	w->polygons = polygons;
+	esk_lattice_gather(l, b, ESK_ACTIVE, false, active);
+	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
+	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
+	uint64_t cubes = find_cubes(inside, active);
+	for (; cubes; cubes &= cubes - 1) {
+		const int place = __builtin_ctzll(cubes);
+		const cube c = {b << ESK_PLACE_BITS | (uint32_t)place, corner_bits(inside, place),
+			corner_bits(snapped, place), corner_bits(active, place)};
+		add_cube(w, &c);
 	}
 	return true;
 }
@@ -216,16 +272,23 @@ static void write_normal(const double gradient[3], float normal[3])
 		normal[a] = (float)(length > 0 && length < INFINITY ? gradient[a] / length : 0);
 }
 
+static void find_position(const esk_lattice *l, uint32_t node, double position[3])
+{
+	int32_t at[3];
+	esk_lattice_at(l, node, at);
+	esk_lattice_position(l, at, position);
+}
+
 /* The ends of the edges of a batch of vertices, and the field there. */
 static void find_ends(const work *w, size_t first, size_t count, esk_root *roots)
 {
 	const esk_lattice *l = &w->trace.lattice;
 	for (size_t i = 0; i < count; i++) {
 		const edge *e = &w->edges[first + i];
-		roots[i].inside_value = l->values[e->inside];
-		roots[i].outside_value = l->values[e->outside];
-		esk_lattice_position(l, l->nodes[e->inside].at, roots[i].inside);
-		esk_lattice_position(l, l->nodes[e->outside].at, roots[i].outside);
+		roots[i].inside_value = esk_lattice_value(l, e->inside);
+		roots[i].outside_value = esk_lattice_value(l, e->outside);
+		find_position(l, e->inside, roots[i].inside);
+		find_position(l, e->outside, roots[i].outside);
 	}
 }
 
@@ -261,7 +324,7 @@ static void write_triangles(const work *w, eskel_mesh *mesh)
 	uint32_t(*triangle)[3] = mesh->triangles;
 	for (size_t p = 0; p < w->polygon_count; p++) {
 		const uint32_t *c = w->polygons[p].corners;
-		const bool is_quadrangle = c[3] != ESK_NO_NODE;
+		const bool is_quadrangle = c[3] != NO_VERTEX;
 		const int turn = is_quadrangle && distance(mesh, c[1], c[3]) < distance(mesh, c[0], c[2]);
 		for (int t = 0; t <= is_quadrangle; t++, triangle++)
 			for (int i = 0; i < 3; i++)
@@ -290,10 +353,11 @@ static eskel_status check_options(const esk_polygonise_options *o, eskel_error *
 
 static void start_lattice(const esk_field *field, const esk_polygonise_options *o, double step, esk_lattice *lattice)
 {
-	/* Two nodes in a cube of side 2 step_half. */
-	*lattice = (esk_lattice){.step_half = step * cbrt(2) / 2, .field = field};
+	double origin[3];
 	for (int a = 0; a < 3; a++)
-		lattice->origin[a] = (o->least[a] + o->greatest[a]) / 2;
+		origin[a] = (o->least[a] + o->greatest[a]) / 2;
+	/* Two nodes in a cube of side 2 step_half. */
+	esk_lattice_start(lattice, field, origin, step * cbrt(2) / 2);
 }
 
 /* The triangles are as many as the area over the square of the step, so a surface that is too large is followed again with
@@ -307,7 +371,8 @@ static eskel_status refuse_step(
 	while (status == ESKEL_TOO_LARGE) {
 		eskel_error again = {ESKEL_OK, ""};
 		step *= 2;
-		esk_trace_clear(&trace);
+		esk_lattice_clear(&trace.lattice);
+		trace.count = 0;
 		start_lattice(field, options, step, &trace.lattice);
 		status = esk_trace_surface(&trace, options, most, &again);
 		if (status != ESKEL_OK && again.status != ESKEL_OK) { /* for another reason than the limit */
@@ -322,7 +387,7 @@ static eskel_status refuse_step(
 			"a step of %g mm gives more than %zu triangles, expected a step of at least %.3g mm",
 			options->step, most, fitting);
 	}
-	esk_trace_clear(&trace);
+	esk_lattice_clear(&trace.lattice);
 	return status;
 }
 
@@ -333,17 +398,17 @@ static eskel_status no_memory(const work *w, eskel_error *error)
 
 static eskel_status make_polygons(work *w, eskel_error *error)
 {
-	const esk_trace *trace = &w->trace;
+	esk_lattice *l = &w->trace.lattice;
 	esk_star_make(&w->star);
 	for (unsigned inside = 0; inside < 16; inside++)
-		make_crossing(inside, &w->crossings[inside]);
-	w->states = esk_memory_array(trace->lattice.node_count, sizeof *w->states);
-	w->cuts = esk_memory_array(trace->count, sizeof *w->cuts);
-	if (!w->states || !w->cuts)
+		for (int reversed = 0; reversed < 2; reversed++)
+			make_crossing(inside, reversed, &w->crossings[reversed][inside]);
+	esk_lattice_link(l);
+	esk_snap(l, &w->star);
+	if (!make_vertices(w))
 		return no_memory(w, error);
-	esk_snap(trace, &w->star, w->states, w->cuts);
-	for (size_t n = 0; n < trace->count; n++)
-		if (!add_star(w, &trace->actives[n]))
+	for (size_t b = 0; b < l->block_count; b++)
+		if (!add_cubes(w, (uint32_t)b))
 			return no_memory(w, error);
 	return ESKEL_OK;
 }
