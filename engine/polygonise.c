@@ -2,8 +2,10 @@
  *
  * The surface is followed (continuation.h), nodes next to it are snapped to it (snapping.h), and each tetrahedron with nodes
  * inside and outside gives a triangle or a quadrangle, whose corners lie on its edges: a vertex is a cut of an edge, or a
- * snapped node. Vertices are numbered by block, direction of the edge, and place, so that a number is that of the first
- * vertex of its kind and the count of bits below it. They are found on their edges by regula falsi; then quadrangles are divided along the shorter diagonal.
+ * snapped node. Vertices are found on their edges (roots.h); then quadrangles are divided along the shorter diagonal.
+ *
+ * Vertices are numbered by block, direction of the edge, and place: a number is that of the first one of its kind in the
+ * block and the count of bits below it.
  *
  * In a row of tetrahedra that share a face, each has one edge of the mesh in it: the mesh is closed and a manifold whatever
  * the field is, and its triangles are oriented as the tetrahedra are. */
