@@ -41,6 +41,15 @@ static inline void esk_words_gather(const uint64_t words[ESK_AROUND], bool back,
 		near[esk_slot_of(m, back)] = w[m];
 }
 
+/* A bit for each neighbour of a node of the block, after gathering both ways. */
+static inline unsigned esk_words_bits(const uint64_t near[ESK_AROUND], int place)
+{
+	unsigned bits = 0;
+	for (int s = 0; s < ESK_OWN; s++)
+		bits |= (unsigned)(near[s] >> place & 1) << s;
+	return bits;
+}
+
 /* The other way round: adds the nodes of a block, and their neighbours forward, or back, to words by slot. */
 static inline void esk_words_spread_one_way(uint64_t word, bool back, uint64_t words[ESK_AROUND])
 {

@@ -28,12 +28,28 @@ static eskel_status no_memory(const tracer *t)
 	return esk_error_set(t->error, ESKEL_NO_MEMORY, "memory ran out for a surface of %zu nodes", t->trace->count);
 }
 
+/* Whether all nodes of a block are within the box, with a slack around it. */
+static bool is_within_box(const tracer *t, uint32_t block, double slack)
+{
+	const esk_lattice *l = &t->trace->lattice;
+	double first[3];
+	bool within = true;
+	esk_lattice_position(l, l->blocks[block].at, first);
+	/* At 0 to 3 along each axis of the lattice, they are from -3 to 6 times step_half away from the first. */
+	for (int a = 0; a < 3; a++)
+		within &= first[a] - 3 * l->step_half >= t->options->least[a] - slack &&
+			  first[a] + 6 * l->step_half <= t->options->greatest[a] + slack;
+	return within;
+}
+
 /* The surface is at most an edge from an active node. */
 static bool leaves_box(const tracer *t, uint32_t block, uint64_t nodes)
 {
 	const esk_lattice *l = &t->trace->lattice;
 	const double slack = 2 * l->step_half;
 	bool leaves = false;
+	if (is_within_box(t, block, slack))
+		return false;
 	for (; nodes; nodes &= nodes - 1) {
 		int32_t at[3];
 		double position[3];

@@ -179,21 +179,10 @@ void esk_lattice_gather(const esk_lattice *l, uint32_t b, esk_word word, bool ba
 		const int slot = esk_slot_of(m, back);
 		words[slot] = block->around[slot] == ESK_NO_BLOCK ? 0 : l->blocks[block->around[slot]].words[word];
 	}
-	esk_words_gather(words, back, near);
-}
-
-void esk_lattice_at(const esk_lattice *l, uint32_t node, int32_t at[3])
-{
-	spread_place(node & (ESK_PLACES - 1), at);
-	for (int a = 0; a < 3; a++)
-		at[a] += esk_lattice_block(l, node)->at[a];
-}
-
-void esk_lattice_position(const esk_lattice *l, const int32_t at[3], double position[3])
-{
-	const int32_t sum = at[0] + at[1] + at[2];
-	for (int a = 0; a < 3; a++)
-		position[a] = l->origin[a] + l->step_half * (sum - 2 * at[a]);
+	if (back)
+		esk_words_gather(words, true, near);
+	else
+		esk_words_gather(words, false, near);
 }
 
 static void evaluate_batch(esk_lattice *l, const uint32_t *nodes, size_t count)

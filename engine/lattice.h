@@ -32,13 +32,14 @@ enum {
 /* What words tell of nodes. */
 typedef enum {
 	ESK_KNOWN,    /* its value is known */
-	ESK_INSIDE,   /* that is below 0; snapping.h takes snapped ones out */
+	ESK_INSIDE,   /* that is below 0 */
 	ESK_ASKED,    /* it will be known after esk_lattice_evaluate */
 	ESK_ACTIVE,   /* the surface passes by it (continuation.h) */
 	ESK_FOLLOWED, /* so it was, and its neighbours are known */
-	ESK_SNAPPED,  /* it is moved onto the surface, and so are those that snapping.h still looks at: */
-	ESK_SUSPECT,
-	ESK_BREAKS,
+	ESK_SNAPPED,  /* it is moved onto the surface (snapping.h), */
+	ESK_FILLED,   /* and this is inside and not snapped; */
+	ESK_SUSPECT,  /* this one snapping.h still looks at, */
+	ESK_BREAKS,   /* and this breaks its rules */
 	ESK_WORDS
 } esk_word;
 
@@ -79,8 +80,6 @@ void esk_lattice_link(esk_lattice *lattice);
 void esk_lattice_gather(
 	const esk_lattice *lattice, uint32_t block, esk_word word, bool back, uint64_t near[ESK_AROUND]);
 
-void esk_lattice_at(const esk_lattice *lattice, uint32_t node, int32_t at[3]);
-void esk_lattice_position(const esk_lattice *lattice, const int32_t at[3], double position[3]);
 void esk_lattice_nearest(const esk_lattice *lattice, const double position[3], int32_t at[3]);
 
 static inline esk_block *esk_lattice_block(const esk_lattice *lattice, uint32_t node)
@@ -101,6 +100,20 @@ static inline bool esk_lattice_has(const esk_lattice *lattice, uint32_t node, es
 static inline double esk_lattice_value(const esk_lattice *lattice, uint32_t node)
 {
 	return esk_lattice_block(lattice, node)->values[node & (ESK_PLACES - 1)];
+}
+
+static inline void esk_lattice_at(const esk_lattice *lattice, uint32_t node, int32_t at[3])
+{
+	const esk_block *block = esk_lattice_block(lattice, node);
+	for (int a = 0; a < 3; a++)
+		at[a] = block->at[a] + (int32_t)(node >> (4 - 2 * a) & 3);
+}
+
+static inline void esk_lattice_position(const esk_lattice *lattice, const int32_t at[3], double position[3])
+{
+	const int32_t sum = at[0] + at[1] + at[2];
+	for (int a = 0; a < 3; a++)
+		position[a] = lattice->origin[a] + lattice->step_half * (sum - 2 * at[a]);
 }
 
 /* A node's neighbour in a slot, whose block was asked for from the node's. */

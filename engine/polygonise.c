@@ -75,25 +75,48 @@ static uint64_t vertices_of(const esk_block *block, int kind)
 static void find_cuts(const esk_lattice *l, uint32_t b)
 {
 	esk_block *block = &l->blocks[b];
-	uint64_t inside[ESK_AROUND], snapped[ESK_AROUND];
-	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
+	uint64_t filled[ESK_AROUND], snapped[ESK_AROUND];
+	memset(block->cuts, 0, sizeof block->cuts);
+	if (!block->words[ESK_ACTIVE])
+		return;
+	esk_lattice_gather(l, b, ESK_FILLED, false, filled);
 	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
 	for (int d = 0; d < ESK_DIRECTIONS; d++)
 		block->cuts[d] =
-			block->words[ESK_ACTIVE] & (inside[ESK_OWN] ^ inside[d]) & ~(snapped[ESK_OWN] | snapped[d]);
+			block->words[ESK_ACTIVE] & (filled[ESK_OWN] ^ filled[d]) & ~(snapped[ESK_OWN] | snapped[d]);
 }
 
-static edge edge_of(const esk_lattice *l, uint32_t node, int kind)
+static void add_edge(work *w, uint32_t node, uint32_t other)
 {
-	const uint32_t other = kind == SNAPPED ? esk_snap_other(l, node) : esk_lattice_next(l, node, kind);
-	return esk_lattice_value(l, node) < 0 ? (edge){node, other} : (edge){other, node};
+	const bool inside = esk_lattice_has(&w->trace.lattice, node, ESK_INSIDE);
+	w->edges[w->edge_count++] = inside ? (edge){node, other} : (edge){other, node};
 }
 
-static void add_edges(work *w, uint32_t block, int kind)
+static void add_cut_edges(work *w, uint32_t block, int direction)
 {
 	const esk_lattice *l = &w->trace.lattice;
-	for (uint64_t rest = vertices_of(&l->blocks[block], kind); rest; rest &= rest - 1)
-		w->edges[w->edge_count++] = edge_of(l, block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest), kind);
+	for (uint64_t rest = l->blocks[block].cuts[direction]; rest; rest &= rest - 1) {
+		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest);
+		add_edge(w, node, esk_lattice_next(l, node, direction));
+	}
+}
+
+static void add_snapped_edges(work *w, uint32_t block)
+{
+	const esk_lattice *l = &w->trace.lattice;
+	const uint64_t *words = l->blocks[block].words;
+	uint64_t cut[ESK_AROUND];
+	if (!words[ESK_SNAPPED])
+		return;
+	esk_lattice_gather(l, block, ESK_INSIDE, false, cut);
+	esk_lattice_gather(l, block, ESK_INSIDE, true, cut);
+	for (int s = 0; s < ESK_NEIGHBOURS; s++)
+		cut[s] ^= words[ESK_INSIDE];
+	for (uint64_t rest = words[ESK_SNAPPED]; rest; rest &= rest - 1) {
+		const int place = __builtin_ctzll(rest);
+		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)place;
+		add_edge(w, node, esk_snap_other(l, node, esk_words_bits(cut, place)));
+	}
 }
 
 static bool make_vertices(work *w)
@@ -108,9 +131,11 @@ static bool make_vertices(work *w)
 		}
 	}
 	w->edges = esk_memory_array(count, sizeof *w->edges);
-	for (size_t b = 0; b < l->block_count && w->edges; b++)
-		for (int kind = 0; kind <= SNAPPED; kind++)
-			add_edges(w, (uint32_t)b, kind);
+	for (size_t b = 0; b < l->block_count && w->edges; b++) {
+		for (int d = 0; d < ESK_DIRECTIONS; d++)
+			add_cut_edges(w, (uint32_t)b, d);
+		add_snapped_edges(w, (uint32_t)b);
+	}
 	return w->edges;
 }
 
@@ -242,9 +267,11 @@ ESK_EVERY_WIDTH static bool add_cubes(work *w, uint32_t b)
 		return false;
 	w->polygons = polygons;
 	esk_lattice_gather(l, b, ESK_ACTIVE, false, active);
-	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
-	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
+	esk_lattice_gather(l, b, ESK_FILLED, false, inside);
 	uint64_t cubes = find_cubes(inside, active);
+	if (!cubes)
+		return true;
+	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
 	for (; cubes; cubes &= cubes - 1) {
 		const int place = __builtin_ctzll(cubes);
 		const cube c = {b << ESK_PLACE_BITS | (uint32_t)place, corner_bits(inside, place),

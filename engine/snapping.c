@@ -44,18 +44,18 @@ static void snap_block(const esk_lattice *l, uint32_t b)
 			snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
 }
 
-uint32_t esk_snap_other(const esk_lattice *l, uint32_t node)
+uint32_t esk_snap_other(const esk_lattice *l, uint32_t node, unsigned cut)
 {
 	const double value = esk_lattice_value(l, node);
 	double least = INFINITY;
-	uint32_t nearest = node;
-	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		const uint32_t other = esk_lattice_next(l, node, s);
-		const double other_value = esk_lattice_value(l, other), part = value / (value - other_value);
-		if ((value < 0) == (other_value < 0))
-			continue;
-		if (part * edge_lengths[s % ESK_DIRECTIONS] < least || nearest == node) {
-			least = part * edge_lengths[s % ESK_DIRECTIONS];
+	uint32_t nearest = esk_lattice_next(l, node, __builtin_ctz(cut));
+	for (; cut; cut &= cut - 1) {
+		const int slot = __builtin_ctz(cut);
+		const uint32_t other = esk_lattice_next(l, node, slot);
+		const double length =
+			value / (value - esk_lattice_value(l, other)) * edge_lengths[slot % ESK_DIRECTIONS];
+		if (length < least) {
+			least = length;
 			nearest = other;
 		}
 	}
@@ -76,56 +76,79 @@ static bool is_connected(const esk_star *star, unsigned set)
 	return reached == set;
 }
 
-/* Whether the strip to the snapped neighbour in a slot is one. */
-static bool is_strip(const esk_star *star, int slot, unsigned inside, unsigned snapped)
+/* How often the side changes along the ring around the edge to a neighbour. */
+static int count_changes(const esk_star *star, int slot, unsigned inside)
 {
-	int changes = 0; /* of side, along the ring */
+	int changes = 0;
 	for (int e = 0; e < 6; e++) {
 		const unsigned edge = star->rings[slot][e] & inside;
 		changes += edge && edge != star->rings[slot][e];
 	}
-	const unsigned rest = star->adjacent[slot] & ~inside;
-	const bool is_pillow = rest && !(rest & (rest - 1)) && (rest & snapped);
-	return changes <= 2 && !is_pillow;
+	return changes;
 }
 
-static bool may_snap(const esk_star *star, unsigned inside, unsigned snapped)
+/* The neighbours outside in the ring around the edge to one, but 0 where they are not a single one. */
+static unsigned find_single(const esk_star *star, int slot, unsigned inside)
 {
-	const unsigned outside = ~inside & ((1u << ESK_NEIGHBOURS) - 1);
+	const unsigned rest = star->adjacent[slot] & ~inside;
+	return rest & (rest - 1) ? 0 : rest;
+}
+
+/* Whether the strip to the snapped neighbour in a slot is one. */
+static bool is_strip(const esk_star *star, int slot, unsigned inside, unsigned snapped)
+{
+	return count_changes(star, slot, inside) <= 2 && !(find_single(star, slot, inside) & snapped);
+}
+
+/* What the rules say of a set of neighbours inside: a bit for each slot in which a snapped neighbour may break them. */
+enum { FOUND = 1 << 15, BROKEN = 1 << 14, SETS = 1 << ESK_NEIGHBOURS };
+
+static uint16_t find_rules(const esk_star *star, unsigned inside)
+{
+	const unsigned outside = ~inside & (SETS - 1);
+	unsigned rules = FOUND;
 	if (!inside || !outside || !is_connected(star, inside) || !is_connected(star, outside))
+		rules |= BROKEN;
+	for (int s = 0; s < ESK_NEIGHBOURS; s++)
+		if (count_changes(star, s, inside) > 2 || find_single(star, s, inside))
+			rules |= 1u << s;
+	return (uint16_t)rules;
+}
+
+typedef struct {
+	const esk_star *star;
+	uint16_t found[SETS]; /* 0: not yet */
+} rule_book;
+
+static bool may_snap(rule_book *book, unsigned inside, unsigned snapped)
+{
+	uint16_t *rules = &book->found[inside];
+	const unsigned outside = ~inside & (SETS - 1);
+	if (!*rules)
+		*rules = find_rules(book->star, inside);
+	if (*rules & BROKEN || (outside == snapped && !(outside & (outside - 1))))
 		return false;
-	if (outside == snapped && !(outside & (outside - 1)))
-		return false;
-	for (unsigned rest = snapped; rest; rest &= rest - 1)
-		if (!is_strip(star, __builtin_ctz(rest), inside, snapped))
+	for (unsigned rest = snapped & *rules; rest; rest &= rest - 1)
+		if (!is_strip(book->star, __builtin_ctz(rest), inside, snapped))
 			return false;
 	return true;
 }
 
-/* A bit for each neighbour of a node of the block. */
-static unsigned bits_of(const uint64_t near[ESK_AROUND], int place)
-{
-	unsigned bits = 0;
-	for (int s = 0; s < ESK_NEIGHBOURS; s++)
-		bits |= (unsigned)(near[s] >> place & 1) << s;
-	return bits;
-}
-
 /* The suspects among the nodes of a block that break a rule. */
-static uint64_t find_breakers(const esk_lattice *l, const esk_star *star, uint32_t b)
+static uint64_t find_breakers(const esk_lattice *l, rule_book *book, uint32_t b)
 {
 	const esk_block *block = &l->blocks[b];
-	uint64_t inside[ESK_AROUND], snapped[ESK_AROUND], breakers = 0;
+	uint64_t filled[ESK_AROUND], snapped[ESK_AROUND], breakers = 0;
 	uint64_t suspects = block->words[ESK_SUSPECT] & block->words[ESK_SNAPPED];
 	if (!suspects)
 		return 0;
 	for (int back = 0; back < 2; back++) {
-		esk_lattice_gather(l, b, ESK_INSIDE, back, inside);
+		esk_lattice_gather(l, b, ESK_FILLED, back, filled);
 		esk_lattice_gather(l, b, ESK_SNAPPED, back, snapped);
 	}
 	for (; suspects; suspects &= suspects - 1) {
 		const int place = __builtin_ctzll(suspects);
-		if (!may_snap(star, bits_of(inside, place), bits_of(snapped, place)))
+		if (!may_snap(book, esk_words_bits(filled, place), esk_words_bits(snapped, place)))
 			breakers |= (uint64_t)1 << place;
 	}
 	return breakers;
@@ -136,21 +159,19 @@ static void release(const esk_lattice *l, esk_block *block, uint64_t nodes)
 {
 	uint64_t reached[ESK_AROUND];
 	block->words[ESK_SNAPPED] &= ~nodes;
+	block->words[ESK_FILLED] |= nodes & block->words[ESK_INSIDE];
 	esk_words_spread(nodes, reached);
 	for (int s = 0; s < ESK_AROUND; s++)
 		if (reached[s])
 			l->blocks[block->around[s]].words[ESK_SUSPECT] |= reached[s];
-	for (; nodes; nodes &= nodes - 1)
-		if (block->values[__builtin_ctzll(nodes)] < 0)
-			block->words[ESK_INSIDE] |= nodes & -nodes;
 }
 
 /* All at once, so that no order matters. Whether there was one. */
-static bool release_breakers(const esk_lattice *l, const esk_star *star)
+static bool release_breakers(const esk_lattice *l, rule_book *book)
 {
 	bool any = false;
 	for (size_t b = 0; b < l->block_count; b++)
-		l->blocks[b].words[ESK_BREAKS] = find_breakers(l, star, (uint32_t)b);
+		l->blocks[b].words[ESK_BREAKS] = find_breakers(l, book, (uint32_t)b);
 	for (size_t b = 0; b < l->block_count; b++)
 		l->blocks[b].words[ESK_SUSPECT] = 0;
 	for (size_t b = 0; b < l->block_count; b++) {
@@ -166,13 +187,14 @@ static bool release_breakers(const esk_lattice *l, const esk_star *star)
 
 void esk_snap(esk_lattice *l, const esk_star *star)
 {
+	rule_book book = {.star = star};
 	for (size_t b = 0; b < l->block_count; b++)
 		snap_block(l, (uint32_t)b);
 	for (size_t b = 0; b < l->block_count; b++) {
 		uint64_t *words = l->blocks[b].words;
-		words[ESK_INSIDE] &= ~words[ESK_SNAPPED];
+		words[ESK_FILLED] = words[ESK_INSIDE] & ~words[ESK_SNAPPED];
 		words[ESK_SUSPECT] = words[ESK_SNAPPED];
 	}
-	while (release_breakers(l, star))
+	while (release_breakers(l, &book))
 		;
 }

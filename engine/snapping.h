@@ -18,9 +18,9 @@
 #include "continuation.h"
 #include "star.h"
 
-/* Sets the words ESK_SNAPPED of all blocks, and takes these nodes out of ESK_INSIDE. */
+/* Sets the words ESK_SNAPPED and ESK_FILLED of all blocks. */
 void esk_snap(esk_lattice *lattice, const esk_star *star);
-/* The neighbour of a snapped node on the edge where the surface is nearest, which is on the other side. */
-uint32_t esk_snap_other(const esk_lattice *lattice, uint32_t node);
+/* The neighbour of a node on the edge where the surface is nearest, of those in a set of slots, which are on the other side. */
+uint32_t esk_snap_other(const esk_lattice *lattice, uint32_t node, unsigned cut);
 
 #endif
