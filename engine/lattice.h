@@ -47,7 +47,7 @@ typedef struct {
 	int32_t at[3];               /* of its first node */
 	uint32_t around[ESK_AROUND]; /* blocks by slot; ESK_NO_BLOCK: not asked for from here */
 	uint64_t words[ESK_WORDS];
-	uint64_t cuts[ESK_DIRECTIONS];      /* the caller's: edges by direction from their first node, */
+	uint64_t cuts[ESK_DIRECTIONS];      /* cells.h: edges by direction from their first node, */
 	uint32_t first[ESK_DIRECTIONS + 1]; /* and numbers of what lies on them */
 	double values[ESK_PLACES];          /* of the field */
 } esk_block;

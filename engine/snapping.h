@@ -15,7 +15,7 @@
 #ifndef ESK_SNAPPING_H
 #define ESK_SNAPPING_H
 
-#include "continuation.h"
+#include "lattice.h"
 #include "star.h"
 
 /* Sets the words ESK_SNAPPED and ESK_FILLED of all blocks. */
