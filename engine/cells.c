@@ -20,6 +20,7 @@ typedef struct {
 	esk_lattice *lattice;
 	const esk_star *star;
 	crossing crossings[2][16]; /* of tetrahedra, and of reversed ones */
+	uint8_t crossed[256];      /* tetrahedra of a cube, a bit each, by which of its corners are inside */
 	esk_cells *cells;
 } work;
 
@@ -195,10 +196,11 @@ ESK_IN_LANES unsigned corner_bits(const uint64_t near[ESK_AROUND], int place)
 /* All corners of a tetrahedron with an active one are known. */
 ESK_IN_LANES void add_cube(work *w, const cube *c)
 {
-	for (int t = 0; t < ESK_TETRAHEDRA; t++) {
-		const unsigned all = w->star->tetrahedra[t].set, inside = c->inside & all, outside = all & ~inside;
-		if (c->active & all && inside && outside && has_area(inside, outside, c->snapped & all))
-			add_tetrahedron(w, c, &w->star->tetrahedra[t]);
+	for (unsigned rest = w->crossed[c->inside]; rest; rest &= rest - 1) {
+		const esk_tetrahedron *t = &w->star->tetrahedra[__builtin_ctz(rest)];
+		const unsigned all = t->set;
+		if (c->active & all && has_area(c->inside & all, ~c->inside & all, c->snapped & all))
+			add_tetrahedron(w, c, t);
 	}
 }
 
@@ -239,12 +241,24 @@ ESK_EVERY_WIDTH static bool add_cubes(work *w, uint32_t b)
 	return true;
 }
 
+static unsigned find_crossed(const esk_star *star, unsigned inside)
+{
+	unsigned crossed = 0;
+	for (int t = 0; t < ESK_TETRAHEDRA; t++) {
+		const unsigned all = star->tetrahedra[t].set;
+		crossed |= (unsigned)((inside & all) && (inside & all) != all) << t;
+	}
+	return crossed;
+}
+
 bool esk_cells_make(esk_lattice *lattice, const esk_star *star, esk_cells *cells)
 {
 	work w = {.lattice = lattice, .star = star, .cells = cells};
 	for (unsigned inside = 0; inside < 16; inside++)
 		for (int reversed = 0; reversed < 2; reversed++)
 			make_crossing(inside, reversed, &w.crossings[reversed][inside]);
+	for (unsigned inside = 0; inside < 256; inside++)
+		w.crossed[inside] = (uint8_t)find_crossed(star, inside);
 	bool good = make_vertices(&w);
 	for (size_t b = 0; b < lattice->block_count && good; b++)
 		good = add_cubes(&w, (uint32_t)b);

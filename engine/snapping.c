@@ -15,9 +15,10 @@ static const double edge_lengths[ESK_DIRECTIONS] = {SHORT, SHORT, LONG, SHORT, L
 static const double near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-static void snap(const esk_lattice *l, uint32_t node)
+/* Without a branch, which no processor would foresee. */
+static void snap_if(const esk_lattice *l, uint32_t node, bool near)
 {
-	esk_lattice_block(l, node)->words[ESK_SNAPPED] |= esk_lattice_bit(node);
+	esk_lattice_block(l, node)->words[ESK_SNAPPED] |= (uint64_t)near << (node & (ESK_PLACES - 1));
 }
 
 /* The ends of an edge that its cut is near to. Values are as far from 0 as, to first order, the ends are from the cut. */
@@ -26,10 +27,8 @@ static void snap_ends(const esk_lattice *l, uint32_t node, int direction)
 	const uint32_t other = esk_lattice_next(l, node, direction);
 	const double value = fabs(esk_lattice_value(l, node)), other_value = fabs(esk_lattice_value(l, other));
 	const double near = near_parts[direction] * (value + other_value);
-	if (value <= near)
-		snap(l, node);
-	if (other_value <= near)
-		snap(l, other);
+	snap_if(l, node, value <= near);
+	snap_if(l, other, other_value <= near);
 }
 
 static void snap_block(const esk_lattice *l, uint32_t b)
