@@ -190,7 +190,8 @@ void esk_composition_gradients(const esk_composition *composition, size_t count,
 		const size_t here = left(count, first);
 		load(count, points, first, point);
 		block_gradients(composition, (const esk_lanes *)point, block, block_gradient);
-		memcpy(values + first, block, here * sizeof *values);
+		if (values)
+			memcpy(values + first, block, here * sizeof *values);
 		for (size_t l = 0; l < here; l++)
 			for (int i = 0; i < 3; i++)
 				gradients[first + l][i] = block_gradient[i][l];
@@ -214,9 +215,17 @@ static double field_gradient(const void *context, const double point[3], double 
 	return esk_composition_gradient(context, point, gradient);
 }
 
+static void field_gradients(const void *context, size_t count, const double (*points)[3], double (*gradients)[3])
+{
+	esk_composition_gradients(context, count, points, NULL, gradients);
+}
+
 esk_field esk_composition_field(const esk_composition *composition)
 {
-	return (esk_field){.context = composition, .values = field_values, .gradient = field_gradient};
+	return (esk_field){.context = composition,
+		.values = field_values,
+		.gradient = field_gradient,
+		.gradients = field_gradients};
 }
 
 /* ------------------------------------------------------------------------------------ derivatives */

@@ -33,7 +33,7 @@ esk_field esk_composition_field(const esk_composition *composition);
 void esk_composition_values(
 	const esk_composition *composition, size_t count, const double (*points)[3], double *values);
 double esk_composition_gradient(const esk_composition *composition, const double point[3], double gradient[3]);
-/* As one by one, bit for bit. */
+/* As one by one, bit for bit. values may be NULL. */
 void esk_composition_gradients(const esk_composition *composition, size_t count, const double (*points)[3],
 	double *values, double (*gradients)[3]);
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-	TOGETHER = 64, /* nodes followed together: their neighbours fill the lanes of a field */
+	TOGETHER = 16, /* blocks followed together: their nodes fill the lanes of a field */
 	UP = 3 - 1,    /* the slot of direction (1, 1, 0), along the z axis of space */
 	/* Between nodes of the columns that a scan looks at, and those columns. Of 2 it costs as much as the rest. */
 	SCAN_STRIDE = 4,
@@ -19,117 +19,138 @@ typedef struct {
 	const esk_polygonise_options *options;
 	size_t most;
 	eskel_error *error;
+	uint32_t *waiting; /* blocks with active nodes that are not followed, in the order in which they got these */
+	size_t waiting_count, waiting_capacity;
 } tracer;
-
-void esk_trace_clear(esk_trace *trace)
-{
-	esk_lattice_clear(&trace->lattice);
-	free(trace->actives);
-	trace->actives = NULL;
-	trace->count = trace->capacity = 0;
-}
 
 static eskel_status no_memory(const tracer *t)
 {
 	return esk_error_set(t->error, ESKEL_NO_MEMORY, "memory ran out for a surface of %zu nodes", t->trace->count);
 }
 
-/* The surface is at most an edge from an active node. */
-static bool leaves_box(const tracer *t, const int32_t at[3])
+/* Whether all nodes of a block are within the box, with a slack around it. */
+static bool is_within_box(const tracer *t, uint32_t block, double slack)
 {
-	double position[3];
-	esk_lattice_position(&t->trace->lattice, at, position);
-	const double slack = 2 * t->trace->lattice.step_half;
-	bool leaves = false;
+	const esk_lattice *l = &t->trace->lattice;
+	double first[3];
+	bool within = true;
+	esk_lattice_position(l, l->blocks[block].at, first);
+	/* At 0 to 3 along each axis of the lattice, they are from -3 to 6 times step_half away from the first. */
 	for (int a = 0; a < 3; a++)
-		leaves |= position[a] < t->options->least[a] - slack || position[a] > t->options->greatest[a] + slack;
+		within &= first[a] - 3 * l->step_half >= t->options->least[a] - slack &&
+			  first[a] + 6 * l->step_half <= t->options->greatest[a] + slack;
+	return within;
+}
+
+/* The surface is at most an edge from an active node. */
+static bool leaves_box(const tracer *t, uint32_t block, uint64_t nodes)
+{
+	const esk_lattice *l = &t->trace->lattice;
+	const double slack = 2 * l->step_half;
+	bool leaves = false;
+	if (is_within_box(t, block, slack))
+		return false;
+	for (; nodes; nodes &= nodes - 1) {
+		int32_t at[3];
+		double position[3];
+		esk_lattice_at(l, block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(nodes), at);
+		esk_lattice_position(l, at, position);
+		for (int a = 0; a < 3; a++)
+			leaves |= position[a] < t->options->least[a] - slack ||
+				  position[a] > t->options->greatest[a] + slack;
+	}
 	return leaves;
 }
 
-static eskel_status activate(const tracer *t, uint32_t node)
+static eskel_status activate(tracer *t, uint32_t block, uint64_t nodes)
 {
-	esk_trace *trace = t->trace;
-	uint32_t *active = &trace->lattice.active[node];
-	if (*active != ESK_NO_NODE)
+	uint64_t *words = t->trace->lattice.blocks[block].words;
+	nodes &= ~words[ESK_ACTIVE];
+	if (!nodes)
 		return ESKEL_OK;
-	if (leaves_box(t, trace->lattice.nodes[node].at))
+	if (leaves_box(t, block, nodes))
 		return esk_error_set(t->error, ESKEL_TOO_LARGE, "the surface leaves its box");
-	if (trace->count >= t->most)
+	t->trace->count += (size_t)__builtin_popcountll(nodes);
+	if (t->trace->count > t->most)
 		return ESKEL_TOO_LARGE;
-	void *actives = trace->actives;
-	if (!esk_memory_reserve(&actives, &trace->capacity, trace->count + 1, sizeof *trace->actives))
-		return no_memory(t);
-	trace->actives = actives;
-	*active = (uint32_t)trace->count;
-	trace->actives[trace->count++].node = node;
+	if (words[ESK_ACTIVE] == words[ESK_FOLLOWED]) {
+		void *waiting = t->waiting;
+		if (!esk_memory_reserve(&waiting, &t->waiting_capacity, t->waiting_count + 1, sizeof *t->waiting))
+			return no_memory(t);
+		t->waiting = waiting;
+		t->waiting[t->waiting_count++] = block;
+	}
+	words[ESK_ACTIVE] |= nodes;
 	return ESKEL_OK;
 }
 
-static eskel_status activate_both(const tracer *t, uint32_t a, uint32_t b)
+static eskel_status activate_both(tracer *t, uint32_t a, uint32_t b)
 {
-	if (esk_trace_inside(t->trace, a) == esk_trace_inside(t->trace, b))
+	const esk_lattice *l = &t->trace->lattice;
+	if (esk_lattice_has(l, a, ESK_INSIDE) == esk_lattice_has(l, b, ESK_INSIDE))
 		return ESKEL_OK;
-	eskel_status status = activate(t, a);
-	return status == ESKEL_OK ? activate(t, b) : status;
+	eskel_status status = activate(t, a >> ESK_PLACE_BITS, esk_lattice_bit(a));
+	return status == ESKEL_OK ? activate(t, b >> ESK_PLACE_BITS, esk_lattice_bit(b)) : status;
+}
+
+static bool ask_around(tracer *t, uint32_t block, uint64_t nodes)
+{
+	uint64_t reached[ESK_AROUND];
+	bool good = true;
+	esk_words_spread(nodes, reached);
+	for (int s = 0; s < ESK_AROUND && good; s++)
+		good = !reached[s] || esk_lattice_ask(&t->trace->lattice, block, s, reached[s]);
+	return good;
 }
 
 /* Activates the neighbours of the other sign. */
-static eskel_status follow_cuts(const tracer *t, size_t n)
+static eskel_status follow_cuts(tracer *t, uint32_t block, uint64_t nodes)
 {
-	const double *values = t->trace->lattice.values;
-	uint32_t neighbours[ESK_NEIGHBOURS];
-	memcpy(neighbours, t->trace->actives[n].neighbours, sizeof neighbours);
-	const bool inside = values[t->trace->actives[n].node] < 0;
-	unsigned cut = 0;
-	for (int s = 0; s < ESK_NEIGHBOURS; s++)
-		cut |= ((values[neighbours[s]] < 0) != inside ? 1u : 0) << s;
-	t->trace->actives[n].cut = (uint16_t)cut;
+	const esk_lattice *l = &t->trace->lattice;
+	const uint64_t inside = l->blocks[block].words[ESK_INSIDE];
+	uint64_t from_inside[ESK_AROUND], from_outside[ESK_AROUND];
+	esk_words_spread(nodes & inside, from_inside);
+	esk_words_spread(nodes & ~inside, from_outside);
 	eskel_status status = ESKEL_OK;
-	for (; cut && status == ESKEL_OK; cut &= cut - 1)
-		status = activate(t, neighbours[__builtin_ctz(cut)]);
+	for (int s = 0; s < ESK_AROUND && status == ESKEL_OK; s++) {
+		if (!(from_inside[s] | from_outside[s]))
+			continue;
+		const uint32_t other = l->blocks[block].around[s];
+		const uint64_t other_inside = l->blocks[other].words[ESK_INSIDE];
+		status = activate(t, other, (from_inside[s] & ~other_inside) | (from_outside[s] & other_inside));
+	}
 	return status;
 }
 
-/* The last of those that are waiting first, so that what lies together in space does so in memory; many at once, so that
- * values are computed many at once. */
-static eskel_status follow_some(const tracer *t, const uint32_t *waiting, size_t count)
+/* Of some blocks, the nodes that are active and not followed. */
+static eskel_status follow_some(tracer *t, const uint32_t *some, size_t count)
 {
-	esk_trace *trace = t->trace;
-	for (size_t w = 0; w < count; w++) {
-		esk_active *active = &trace->actives[waiting[w]];
-		if (!esk_lattice_neighbours(&trace->lattice, active->node, active->neighbours))
+	uint64_t fresh[TOGETHER];
+	for (size_t i = 0; i < count; i++) {
+		uint64_t *words = t->trace->lattice.blocks[some[i]].words;
+		fresh[i] = words[ESK_ACTIVE] & ~words[ESK_FOLLOWED];
+		words[ESK_FOLLOWED] = words[ESK_ACTIVE];
+		if (!ask_around(t, some[i], fresh[i]))
 			return no_memory(t);
-		memset(active->vertices, 0xff, sizeof active->vertices); /* ESK_NO_NODE */
 	}
-	if (!esk_lattice_evaluate(&trace->lattice))
-		return no_memory(t);
+	esk_lattice_evaluate(&t->trace->lattice);
 	eskel_status status = ESKEL_OK;
-	for (size_t w = 0; w < count && status == ESKEL_OK; w++)
-		status = follow_cuts(t, waiting[w]);
+	for (size_t i = 0; i < count && status == ESKEL_OK; i++)
+		status = follow_cuts(t, some[i], fresh[i]);
 	return status;
 }
 
-/* Follows the surface from all active nodes. */
-static eskel_status follow(const tracer *t)
+/* Follows the surface from all active nodes. Blocks wait in turn, so that more nodes of each have come together. */
+static eskel_status follow(tracer *t)
 {
-	uint32_t *waiting = NULL, some[TOGETHER];
-	size_t capacity = 0, count = 0, listed = 0; /* actives that have been waiting */
+	uint32_t some[TOGETHER];
 	eskel_status status = ESKEL_OK;
-	while (status == ESKEL_OK && (count > 0 || listed < t->trace->count)) {
-		void *items = waiting;
-		if (!esk_memory_reserve(&items, &capacity, count + t->trace->count - listed, sizeof *waiting)) {
-			status = no_memory(t);
-			break;
-		}
-		waiting = items;
-		while (listed < t->trace->count)
-			waiting[count++] = (uint32_t)listed++;
-		const size_t taken = count < TOGETHER ? count : TOGETHER;
-		count -= taken;
-		memcpy(some, waiting + count, taken * sizeof *some);
-		status = follow_some(t, some, taken);
+	for (size_t done = 0; done < t->waiting_count && status == ESKEL_OK;) {
+		const size_t rest = t->waiting_count - done, count = rest < TOGETHER ? rest : TOGETHER;
+		memcpy(some, t->waiting + done, count * sizeof *some);
+		done += count;
+		status = follow_some(t, some, count);
 	}
-	free(waiting);
 	return status;
 }
 
@@ -141,7 +162,7 @@ static void move(int32_t at[3], int slot, int32_t by)
 }
 
 /* The nodes from at up, stride apart, evaluated. */
-static eskel_status make_column(const tracer *t, const int32_t at[3], int32_t count, int32_t stride, uint32_t *nodes)
+static eskel_status make_column(tracer *t, const int32_t at[3], int32_t count, int32_t stride, uint32_t *nodes)
 {
 	int32_t next[3] = {at[0], at[1], at[2]};
 	for (int32_t n = 0; n < count; n++) {
@@ -149,16 +170,19 @@ static eskel_status make_column(const tracer *t, const int32_t at[3], int32_t co
 			return no_memory(t);
 		move(next, UP, stride);
 	}
-	return esk_lattice_evaluate(&t->trace->lattice) ? ESKEL_OK : no_memory(t);
+	esk_lattice_evaluate(&t->trace->lattice);
+	return ESKEL_OK;
 }
 
 /* Meets the surface along a column of nodes, between nodes of a coarse column that differ. */
-static eskel_status meet_between(const tracer *t, uint32_t lower, uint32_t upper, int32_t stride)
+static eskel_status meet_between(tracer *t, uint32_t lower, uint32_t upper, int32_t stride)
 {
-	if (esk_trace_inside(t->trace, lower) == esk_trace_inside(t->trace, upper))
-		return ESKEL_OK;
+	const esk_lattice *l = &t->trace->lattice;
 	uint32_t nodes[SCAN_STRIDE + 1];
-	const int32_t *found = t->trace->lattice.nodes[lower].at, at[3] = {found[0], found[1], found[2]};
+	int32_t at[3];
+	if (esk_lattice_has(l, lower, ESK_INSIDE) == esk_lattice_has(l, upper, ESK_INSIDE))
+		return ESKEL_OK;
+	esk_lattice_at(l, lower, at);
 	eskel_status status = make_column(t, at, stride + 1, 1, nodes);
 	for (int32_t n = 0; n < stride && status == ESKEL_OK; n++)
 		status = activate_both(t, nodes[n], nodes[n + 1]);
@@ -166,7 +190,7 @@ static eskel_status meet_between(const tracer *t, uint32_t lower, uint32_t upper
 }
 
 /* Meets it along the whole column that at lies in, from below the box to above it; nodes has room for the column. */
-static eskel_status meet_column(const tracer *t, const int32_t at[3], int32_t stride, uint32_t *nodes)
+static eskel_status meet_column(tracer *t, const int32_t at[3], int32_t stride, uint32_t *nodes)
 {
 	const esk_lattice *lattice = &t->trace->lattice;
 	const double step = 2 * lattice->step_half * stride;
@@ -182,22 +206,22 @@ static eskel_status meet_column(const tracer *t, const int32_t at[3], int32_t st
 	return status;
 }
 
-static eskel_status meet_seed(const tracer *t, const double seed[3], uint32_t *nodes)
+static eskel_status meet_seed(tracer *t, const double seed[3], uint32_t *nodes)
 {
 	esk_lattice *lattice = &t->trace->lattice;
 	int32_t at[3];
-	uint32_t node, neighbours[ESK_NEIGHBOURS];
+	uint32_t node;
 	for (int a = 0; a < 3; a++)
 		if (!(seed[a] >= t->options->least[a] && seed[a] <= t->options->greatest[a]))
 			return esk_error_set(t->error, ESKEL_INVALID, "a seed lies at %g, expected %g to %g", seed[a],
 				t->options->least[a], t->options->greatest[a]);
 	esk_lattice_nearest(lattice, seed, at);
-	if (!esk_lattice_node(lattice, at, &node) || !esk_lattice_neighbours(lattice, node, neighbours) ||
-		!esk_lattice_evaluate(lattice))
+	if (!esk_lattice_node(lattice, at, &node) || !ask_around(t, node >> ESK_PLACE_BITS, esk_lattice_bit(node)))
 		return no_memory(t);
+	esk_lattice_evaluate(lattice);
 	eskel_status status = ESKEL_OK;
 	for (int s = 0; s < ESK_NEIGHBOURS && status == ESKEL_OK; s++)
-		status = activate_both(t, node, neighbours[s]);
+		status = activate_both(t, node, esk_lattice_next(lattice, node, s));
 	return status == ESKEL_OK ? meet_column(t, at, 1, nodes) : status;
 }
 
@@ -211,7 +235,7 @@ static int compare_points(const void *a, const void *b)
 }
 
 /* Followed in the order of space, the surface is numbered the same whatever order the seeds come in. */
-static eskel_status follow_seeds(const tracer *t, uint32_t *nodes)
+static eskel_status follow_seeds(tracer *t, uint32_t *nodes)
 {
 	const size_t count = t->options->seed_count;
 	double(*seeds)[3] = esk_memory_array(count, sizeof *seeds);
@@ -227,7 +251,7 @@ static eskel_status follow_seeds(const tracer *t, uint32_t *nodes)
 	return status;
 }
 
-static eskel_status scan_box(const tracer *t, uint32_t *nodes)
+static eskel_status scan_box(tracer *t, uint32_t *nodes)
 {
 	const esk_polygonise_options *o = t->options;
 	const double step = 2 * t->trace->lattice.step_half * SCAN_STRIDE;
@@ -243,7 +267,7 @@ static eskel_status scan_box(const tracer *t, uint32_t *nodes)
 
 eskel_status esk_trace_surface(esk_trace *trace, const esk_polygonise_options *options, size_t most, eskel_error *error)
 {
-	const tracer t = {trace, options, most, error};
+	tracer t = {.trace = trace, .options = options, .most = most, .error = error};
 	const double height = options->greatest[2] - options->least[2];
 	uint32_t *nodes = esk_memory_array((size_t)(height / (2 * trace->lattice.step_half)) + 8, sizeof *nodes);
 	if (!nodes)
@@ -255,6 +279,7 @@ eskel_status esk_trace_surface(esk_trace *trace, const esk_polygonise_options *o
 		status = follow(&t);
 	if (status == ESKEL_OK && trace->count == 0)
 		status = esk_error_set(error, ESKEL_EMPTY, "no surface was met from %zu seeds", options->seed_count);
+	free(t.waiting);
 	free(nodes);
 	return status;
 }

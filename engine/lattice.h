@@ -1,4 +1,4 @@
-/* Space cut into equal tetrahedra: the body-centred cubic lattice, of which only nodes that were asked for exist.
+/* Space cut into equal tetrahedra: the body-centred cubic lattice, of which only blocks that were asked for exist.
  *
  * A node has integer coordinates (i, j, k), and lies at origin + step_half ((-i, i, i) + (j, -j, j) + (k, k, -k)). The
  * tetrahedra are those of Kuhn's division of the unit cubes of (i, j, k): from a corner b of a cube to the opposite one,
@@ -6,10 +6,13 @@
  * angles of 60 and 90 degrees: the best there are that fill space by congruent copies. A node has 14 neighbours: 8 along
  * half diagonals of the centred cubes, sqrt(3) step_half away, and 6 along axes of space, 2 step_half away.
  *
+ * Nodes lie in blocks of 4 x 4 x 4, with a word for each thing that is known of them: a bit each (block_words.h).
+ *
  * A direction is a mask of axes, 1 to 7; the neighbour in direction d is in slot d - 1, the one against it in slot d + 6. */
 #ifndef ESK_LATTICE_H
 #define ESK_LATTICE_H
 
+#include "block_words.h"
 #include "field.h"
 
 #include <stdbool.h>
@@ -18,69 +21,107 @@
 enum {
 	ESK_DIRECTIONS = 7,
 	ESK_NEIGHBOURS = 2 * ESK_DIRECTIONS,
-	ESK_STAR = 24,               /* tetrahedra around a node */
+	ESK_STAR = 24,   /* tetrahedra around a node */
+	ESK_PLACES = 64, /* nodes of a block */
+	ESK_PLACE_BITS = 6,
 	ESK_LATTICE_REACH = 1 << 22, /* coordinates are smaller than that, of either sign */
 };
 
-#define ESK_NO_NODE UINT32_MAX
+#define ESK_NO_BLOCK UINT32_MAX
+
+/* What words tell of nodes. */
+typedef enum {
+	ESK_KNOWN,    /* its value is known */
+	ESK_INSIDE,   /* that is below 0 */
+	ESK_ASKED,    /* it will be known after esk_lattice_evaluate */
+	ESK_ACTIVE,   /* the surface passes by it (continuation.h) */
+	ESK_FOLLOWED, /* so it was, and its neighbours are known */
+	ESK_SNAPPED,  /* it is moved onto the surface (snapping.h), */
+	ESK_FILLED,   /* and this is inside and not snapped; */
+	ESK_SUSPECT,  /* this one snapping.h still looks at, */
+	ESK_BREAKS,   /* and this breaks its rules */
+	ESK_WORDS
+} esk_word;
 
 typedef struct {
-	int32_t at[3];
-} esk_node;
+	int32_t at[3];               /* of its first node */
+	uint32_t around[ESK_AROUND]; /* blocks by slot; ESK_NO_BLOCK: not asked for from here */
+	uint64_t words[ESK_WORDS];
+	uint64_t cuts[ESK_DIRECTIONS];      /* cells.h: edges by direction from their first node, */
+	uint32_t first[ESK_DIRECTIONS + 1]; /* and numbers of what lies on them */
+	double values[ESK_PLACES];          /* of the field */
+} esk_block;
 
-typedef struct esk_block esk_block;
-
-/* All zero but origin, step_half and field is a lattice without nodes. */
+/* A node's number is 64 times that of its block, and its place there. */
 typedef struct {
 	double origin[3], step_half;
 	const esk_field *field;
-	esk_node *nodes;
-	double *values;   /* of the field; of the first node_known nodes */
-	uint32_t *active; /* the caller's, of those; ESK_NO_NODE at first */
-	size_t node_count, node_known, node_capacity, value_capacity, active_capacity;
 	esk_block *blocks;
-	uint32_t *table; /* of blocks, by place: 0: empty, else the block + 1 */
-	size_t block_count, block_capacity, table_capacity;
+	uint32_t *table; /* of blocks, by coordinates: 0: empty, else the block + 1 */
+	uint32_t *asked; /* blocks with such nodes */
+	size_t block_count, block_capacity, table_capacity, asked_count, asked_capacity;
+	uint8_t next_slots[ESK_PLACES][ESK_AROUND];  /* of the block that the neighbour in a slot lies in, */
+	uint8_t next_places[ESK_PLACES][ESK_AROUND]; /* and its place there */
 } esk_lattice;
 
+/* A lattice without blocks. */
+void esk_lattice_start(esk_lattice *lattice, const esk_field *field, const double origin[3], double step_half);
 void esk_lattice_clear(esk_lattice *lattice);
 
-/* The number of a node, which is made if there is none; false when memory ran out. */
+/* The number of a node, whose value is asked for; false when memory ran out. */
 bool esk_lattice_node(esk_lattice *lattice, const int32_t at[3], uint32_t *node);
-/* Those of its neighbours, by slot. */
-bool esk_lattice_neighbours(esk_lattice *lattice, uint32_t node, uint32_t neighbours[ESK_NEIGHBOURS]);
-/* The values of all nodes that have none; false when memory ran out. */
-bool esk_lattice_evaluate(esk_lattice *lattice);
+/* Asks for nodes of the block in a slot around another, which is made if there is none; false when memory ran out. */
+bool esk_lattice_ask(esk_lattice *lattice, uint32_t block, int slot, uint64_t nodes);
+/* The values of all nodes asked for. */
+void esk_lattice_evaluate(esk_lattice *lattice);
+/* Lets all blocks know all blocks around them. */
+void esk_lattice_link(esk_lattice *lattice);
+/* The words of a block's neighbourhood, as bits by slot of neighbours (esk_words_gather). */
+void esk_lattice_gather(
+	const esk_lattice *lattice, uint32_t block, esk_word word, bool back, uint64_t near[ESK_AROUND]);
 
-void esk_lattice_position(const esk_lattice *lattice, const int32_t at[3], double position[3]);
 void esk_lattice_nearest(const esk_lattice *lattice, const double position[3], int32_t at[3]);
 
-/* A tetrahedron around a node: its corners in the order of Kuhn's path. */
-typedef struct {
-	uint8_t slots[4]; /* of the node's neighbours; that of the node itself is ESK_NEIGHBOURS */
-	uint8_t masks[4]; /* the axes gone along so far: 0, one, two, all */
-	uint16_t others;  /* the slots of the three other corners, a bit each */
-	bool reversed;    /* of negative volume in this order */
-} esk_star_cell;
-
-/* The neighbourhood of every node. Its link, the surface of the star, is a sphere of 24 triangles with the neighbours as
- * corners. */
-typedef struct {
-	esk_star_cell cells[ESK_STAR];
-	uint16_t adjacent[ESK_NEIGHBOURS]; /* slots next to a slot in the link: a cycle around their common edge */
-	uint16_t rings[ESK_NEIGHBOURS]
-		      [6]; /* the edges of that cycle, two bits each; 0 past the fourth of a short one */
-	uint32_t halves
-		[2][1 << ESK_DIRECTIONS]; /* the cells, a bit each, that have one of a set of slots, forward or back */
-} esk_star;
-
-void esk_star_make(esk_star *star);
-
-/* The cells that have one of a set of slots. */
-static inline uint32_t esk_star_cells(const esk_star *star, unsigned slots)
+static inline esk_block *esk_lattice_block(const esk_lattice *lattice, uint32_t node)
 {
-	const unsigned half = (1u << ESK_DIRECTIONS) - 1;
-	return star->halves[0][slots & half] | star->halves[1][slots >> ESK_DIRECTIONS & half];
+	return &lattice->blocks[node >> ESK_PLACE_BITS];
+}
+
+static inline uint64_t esk_lattice_bit(uint32_t node)
+{
+	return (uint64_t)1 << (node & (ESK_PLACES - 1));
+}
+
+static inline bool esk_lattice_has(const esk_lattice *lattice, uint32_t node, esk_word word)
+{
+	return esk_lattice_block(lattice, node)->words[word] & esk_lattice_bit(node);
+}
+
+static inline double esk_lattice_value(const esk_lattice *lattice, uint32_t node)
+{
+	return esk_lattice_block(lattice, node)->values[node & (ESK_PLACES - 1)];
+}
+
+static inline void esk_lattice_at(const esk_lattice *lattice, uint32_t node, int32_t at[3])
+{
+	const esk_block *block = esk_lattice_block(lattice, node);
+	for (int a = 0; a < 3; a++)
+		at[a] = block->at[a] + (int32_t)(node >> (4 - 2 * a) & 3);
+}
+
+static inline void esk_lattice_position(const esk_lattice *lattice, const int32_t at[3], double position[3])
+{
+	const int32_t sum = at[0] + at[1] + at[2];
+	for (int a = 0; a < 3; a++)
+		position[a] = lattice->origin[a] + lattice->step_half * (sum - 2 * at[a]);
+}
+
+/* A node's neighbour in a slot, whose block was asked for from the node's. */
+static inline uint32_t esk_lattice_next(const esk_lattice *lattice, uint32_t node, int slot)
+{
+	const uint32_t place = node & (ESK_PLACES - 1);
+	const uint32_t block = esk_lattice_block(lattice, node)->around[lattice->next_slots[place][slot]];
+	return block << ESK_PLACE_BITS | lattice->next_places[place][slot];
 }
 
 #endif

@@ -1,4 +1,4 @@
-/* Where a surface cuts edges whose ends lie on both sides of it: many at once, by regula falsi. */
+/* Where a surface cuts edges whose ends lie on both sides of it: many at once. */
 #ifndef ESK_ROOTS_H
 #define ESK_ROOTS_H
 
@@ -12,7 +12,7 @@ typedef struct {
 	double inside_value, outside_value;
 } esk_root;
 
-/* Of at most ESK_ROOTS_MOST edges, a point on each where the field is 0, to 1e-4 of its length where the field is smooth. */
+/* Of at most ESK_ROOTS_MOST edges, a point on each where the field is 0, to about 1e-4 of its length where the field is smooth. */
 void esk_roots_find(const esk_field *field, size_t count, const esk_root *roots, double (*points)[3]);
 
 #endif

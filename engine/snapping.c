@@ -4,8 +4,9 @@
 
 #define SHORT 1.7320508075688772 /* sqrt(3) */
 #define LONG 2.0
-/* Of an edge, how near to a node a cut must be. Up to these the tetrahedra around a moved node keep their orientation, so that
- * triangles do not cross: they are the largest for which the paper proves good angles. */
+/* Of an edge, how near to a node a cut must be: the pair with which the paper proves its dihedral angles of tetrahedra, 10.7
+ * degrees at least. What they do to triangles, whose angles it does not bound, is measured: 15 degrees at least on smooth
+ * surfaces (test_polygonise.c). */
 #define NEAR_SHORT 0.41189
 #define NEAR_LONG 0.24999
 
@@ -14,33 +15,50 @@ static const double edge_lengths[ESK_DIRECTIONS] = {SHORT, SHORT, LONG, SHORT, L
 static const double near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-/* The values at the ends of an edge are as far from 0 as, to first order, they are from the cut. */
-static bool is_near(const esk_trace *trace, const esk_active *active)
+/* Without a branch, which no processor would foresee. */
+static void snap_if(const esk_lattice *l, uint32_t node, bool near)
 {
-	const double value = fabs(trace->lattice.values[active->node]);
-	bool near = false;
-	for (unsigned rest = active->cut; rest; rest &= rest - 1) {
-		const int slot = __builtin_ctz(rest);
-		const double other = fabs(trace->lattice.values[active->neighbours[slot]]);
-		near |= value <= near_parts[slot % ESK_DIRECTIONS] * (value + other);
-	}
-	return near;
+	esk_lattice_block(l, node)->words[ESK_SNAPPED] |= (uint64_t)near << (node & (ESK_PLACES - 1));
 }
 
-static uint8_t nearest_cut(const esk_trace *trace, const esk_active *active)
+/* The ends of an edge that its cut is near to. Values are as far from 0 as, to first order, the ends are from the cut. */
+static void snap_ends(const esk_lattice *l, uint32_t node, int direction)
 {
-	const double value = trace->lattice.values[active->node];
+	const uint32_t other = esk_lattice_next(l, node, direction);
+	const double value = fabs(esk_lattice_value(l, node)), other_value = fabs(esk_lattice_value(l, other));
+	const double near = near_parts[direction] * (value + other_value);
+	snap_if(l, node, value <= near);
+	snap_if(l, other, other_value <= near);
+}
+
+static void snap_block(const esk_lattice *l, uint32_t b)
+{
+	const esk_block *block = &l->blocks[b];
+	uint64_t inside[ESK_AROUND];
+	if (!block->words[ESK_ACTIVE])
+		return;
+	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
+	for (int d = 0; d < ESK_DIRECTIONS; d++)
+		for (uint64_t cut = block->words[ESK_ACTIVE] & (inside[ESK_OWN] ^ inside[d]); cut; cut &= cut - 1)
+			snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
+}
+
+uint32_t esk_snap_other(const esk_lattice *l, uint32_t node, unsigned cut)
+{
+	const double value = esk_lattice_value(l, node);
 	double least = INFINITY;
-	int nearest = __builtin_ctz(active->cut);
-	for (unsigned rest = active->cut; rest; rest &= rest - 1) {
-		const int slot = __builtin_ctz(rest);
-		const double part = value / (value - trace->lattice.values[active->neighbours[slot]]);
-		if (part * edge_lengths[slot % ESK_DIRECTIONS] < least) {
-			least = part * edge_lengths[slot % ESK_DIRECTIONS];
-			nearest = slot;
+	uint32_t nearest = esk_lattice_next(l, node, __builtin_ctz(cut));
+	for (; cut; cut &= cut - 1) {
+		const int slot = __builtin_ctz(cut);
+		const uint32_t other = esk_lattice_next(l, node, slot);
+		const double length =
+			value / (value - esk_lattice_value(l, other)) * edge_lengths[slot % ESK_DIRECTIONS];
+		if (length < least) {
+			least = length;
+			nearest = other;
 		}
 	}
-	return (uint8_t)nearest;
+	return nearest;
 }
 
 /* Whether the slots of a set are connected in the link. */
@@ -57,73 +75,125 @@ static bool is_connected(const esk_star *star, unsigned set)
 	return reached == set;
 }
 
-/* Whether the strip to the snapped neighbour in a slot is one. */
-static bool is_strip(const esk_star *star, int slot, unsigned inside, unsigned snapped)
+/* How often the side changes along the ring around the edge to a neighbour. */
+static int count_changes(const esk_star *star, int slot, unsigned inside)
 {
-	int changes = 0; /* of side, along the ring */
+	int changes = 0;
 	for (int e = 0; e < 6; e++) {
 		const unsigned edge = star->rings[slot][e] & inside;
 		changes += edge && edge != star->rings[slot][e];
 	}
-	const unsigned rest = star->adjacent[slot] & ~inside;
-	const bool is_pillow = rest && !(rest & (rest - 1)) && (rest & snapped);
-	return changes <= 2 && !is_pillow;
+	return changes;
 }
 
-static bool may_snap(const esk_star *star, unsigned inside, unsigned snapped)
+/* The neighbours outside in the ring around the edge to one, but 0 where they are not a single one. */
+static unsigned find_single(const esk_star *star, int slot, unsigned inside)
 {
-	const unsigned outside = ~inside & ((1u << ESK_NEIGHBOURS) - 1);
+	const unsigned rest = star->adjacent[slot] & ~inside;
+	return rest & (rest - 1) ? 0 : rest;
+}
+
+/* Whether the strip to the snapped neighbour in a slot is one. */
+static bool is_strip(const esk_star *star, int slot, unsigned inside, unsigned snapped)
+{
+	return count_changes(star, slot, inside) <= 2 && !(find_single(star, slot, inside) & snapped);
+}
+
+/* What the rules say of a set of neighbours inside: a bit for each slot in which a snapped neighbour may break them. */
+enum { FOUND = 1 << 15, BROKEN = 1 << 14, SETS = 1 << ESK_NEIGHBOURS };
+
+static uint16_t find_rules(const esk_star *star, unsigned inside)
+{
+	const unsigned outside = ~inside & (SETS - 1);
+	unsigned rules = FOUND;
 	if (!inside || !outside || !is_connected(star, inside) || !is_connected(star, outside))
+		rules |= BROKEN;
+	for (int s = 0; s < ESK_NEIGHBOURS; s++)
+		if (count_changes(star, s, inside) > 2 || find_single(star, s, inside))
+			rules |= 1u << s;
+	return (uint16_t)rules;
+}
+
+typedef struct {
+	const esk_star *star;
+	uint16_t found[SETS]; /* 0: not yet */
+} rule_book;
+
+static bool may_snap(rule_book *book, unsigned inside, unsigned snapped)
+{
+	uint16_t *rules = &book->found[inside];
+	const unsigned outside = ~inside & (SETS - 1);
+	if (!*rules)
+		*rules = find_rules(book->star, inside);
+	if (*rules & BROKEN || (outside == snapped && !(outside & (outside - 1))))
 		return false;
-	for (unsigned rest = snapped; rest; rest &= rest - 1)
-		if (!is_strip(star, __builtin_ctz(rest), inside, snapped))
+	for (unsigned rest = snapped & *rules; rest; rest &= rest - 1)
+		if (!is_strip(book->star, __builtin_ctz(rest), inside, snapped))
 			return false;
 	return true;
 }
 
-static bool breaks_rules(const esk_star *star, const uint8_t *states, const esk_active *active)
+/* The suspects among the nodes of a block that break a rule. */
+static uint64_t find_breakers(const esk_lattice *l, rule_book *book, uint32_t b)
 {
-	unsigned inside = 0, snapped = 0;
-	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		const unsigned state = states[active->neighbours[s]];
-		inside |= (state & ESK_INSIDE) << s;
-		snapped |= (state / ESK_SNAPPED & 1) << s;
+	const esk_block *block = &l->blocks[b];
+	uint64_t filled[ESK_AROUND], snapped[ESK_AROUND], breakers = 0;
+	uint64_t suspects = block->words[ESK_SUSPECT] & block->words[ESK_SNAPPED];
+	if (!suspects)
+		return 0;
+	for (int back = 0; back < 2; back++) {
+		esk_lattice_gather(l, b, ESK_FILLED, back, filled);
+		esk_lattice_gather(l, b, ESK_SNAPPED, back, snapped);
 	}
-	return !may_snap(star, inside, snapped);
+	for (; suspects; suspects &= suspects - 1) {
+		const int place = __builtin_ctzll(suspects);
+		if (!may_snap(book, esk_words_bits(filled, place), esk_words_bits(snapped, place)))
+			breakers |= (uint64_t)1 << place;
+	}
+	return breakers;
+}
+
+/* Nodes of a block are no longer snapped, and their neighbours suspect. */
+static void release(const esk_lattice *l, esk_block *block, uint64_t nodes)
+{
+	uint64_t reached[ESK_AROUND];
+	block->words[ESK_SNAPPED] &= ~nodes;
+	block->words[ESK_FILLED] |= nodes & block->words[ESK_INSIDE];
+	esk_words_spread(nodes, reached);
+	for (int s = 0; s < ESK_AROUND; s++)
+		if (reached[s])
+			l->blocks[block->around[s]].words[ESK_SUSPECT] |= reached[s];
 }
 
 /* All at once, so that no order matters. Whether there was one. */
-static bool release_breakers(const esk_trace *trace, const esk_star *star, uint8_t *states)
+static bool release_breakers(const esk_lattice *l, rule_book *book)
 {
-	enum { BREAKS = 8 };
 	bool any = false;
-	for (size_t n = 0; n < trace->count; n++) {
-		const esk_active *active = &trace->actives[n];
-		if (states[active->node] & ESK_SNAPPED && breaks_rules(star, states, active)) {
-			states[active->node] |= BREAKS;
+	for (size_t b = 0; b < l->block_count; b++)
+		l->blocks[b].words[ESK_BREAKS] = find_breakers(l, book, (uint32_t)b);
+	for (size_t b = 0; b < l->block_count; b++)
+		l->blocks[b].words[ESK_SUSPECT] = 0;
+	for (size_t b = 0; b < l->block_count; b++) {
+		uint64_t *breakers = &l->blocks[b].words[ESK_BREAKS];
+		if (*breakers) {
+			release(l, &l->blocks[b], *breakers);
 			any = true;
 		}
-	}
-	for (size_t n = 0; n < trace->count && any; n++) {
-		const uint32_t node = trace->actives[n].node;
-		if (states[node] & BREAKS)
-			states[node] = ESK_ACTIVE | (esk_trace_inside(trace, node) ? ESK_INSIDE : 0);
+		*breakers = 0;
 	}
 	return any;
 }
 
-void esk_snap(const esk_trace *trace, const esk_star *star, uint8_t *states, uint8_t *cuts)
+void esk_snap(esk_lattice *l, const esk_star *star)
 {
-	for (size_t n = 0; n < trace->lattice.node_count; n++)
-		states[n] = esk_trace_inside(trace, (uint32_t)n) ? ESK_INSIDE : 0;
-	for (size_t n = 0; n < trace->count; n++) {
-		const esk_active *active = &trace->actives[n];
-		uint8_t *state = &states[active->node];
-		*state = is_near(trace, active) ? ESK_ACTIVE | ESK_SNAPPED : ESK_ACTIVE | *state;
+	rule_book book = {.star = star};
+	for (size_t b = 0; b < l->block_count; b++)
+		snap_block(l, (uint32_t)b);
+	for (size_t b = 0; b < l->block_count; b++) {
+		uint64_t *words = l->blocks[b].words;
+		words[ESK_FILLED] = words[ESK_INSIDE] & ~words[ESK_SNAPPED];
+		words[ESK_SUSPECT] = words[ESK_SNAPPED];
 	}
-	while (release_breakers(trace, star, states))
+	while (release_breakers(l, &book))
 		;
-	for (size_t n = 0; n < trace->count; n++)
-		if (states[trace->actives[n].node] & ESK_SNAPPED)
-			cuts[n] = nearest_cut(trace, &trace->actives[n]);
 }

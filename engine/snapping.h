@@ -8,18 +8,19 @@
  * Where we differ: a node is snapped only where the mesh stays a manifold.
  * - The patch must be a disk. It is the part of the node's link whose corners are inside: on a sphere, such a part is a
  *   disk (or a curve or point, which shrinks as well) when it and the rest are both connected, and neither is empty.
+ * - The patch must be more than an edge: the rest of the link is not a single node that is snapped itself.
  * - The strip must be one: around the edge to a snapped neighbour, nodes inside follow one another. And where they are all
  *   but one of the ring, that one is not snapped: else the two triangles at the strip's ends had the same corners.
  * Nodes that break a rule are no longer snapped, and their neighbours looked at again, until all keep them. */
 #ifndef ESK_SNAPPING_H
 #define ESK_SNAPPING_H
 
-#include "continuation.h"
+#include "lattice.h"
+#include "star.h"
 
-enum { ESK_INSIDE = 1, ESK_SNAPPED = 2, ESK_ACTIVE = 4 };
-
-/* states[node] of all nodes: ESK_INSIDE, ESK_SNAPPED or, outside, neither; and ESK_ACTIVE. cuts[n] is, where the nth active node
- * is snapped, the slot of the edge on which the surface is nearest. */
-void esk_snap(const esk_trace *trace, const esk_star *star, uint8_t *states, uint8_t *cuts);
+/* Sets the words ESK_SNAPPED and ESK_FILLED of all blocks. */
+void esk_snap(esk_lattice *lattice, const esk_star *star);
+/* The neighbour of a node on the edge where the surface is nearest, of those in a set of slots, which are on the other side. */
+uint32_t esk_snap_other(const esk_lattice *lattice, uint32_t node, unsigned cut);
 
 #endif

@@ -2,7 +2,8 @@
  *
  * The step is the longest side of their box over STEPS. With FILE, writes the values on a cubic grid of that step, as
  * floats after three 32-bit extents: what the peers take. */
-#include "blend_lanes.h"
+#include "composition.h"
+#include "fields.h"
 #include "measure.h"
 #include "polygonise.h"
 
@@ -10,7 +11,7 @@
 #include <string.h>
 
 typedef struct {
-	ellipsoids ten;
+	esk_composition blend;
 	esk_field field;
 	double seeds[10][3];
 	esk_polygonise_options options;
@@ -23,16 +24,32 @@ static void fail(const char *what)
 	exit(1);
 }
 
+static eskel_primitive primitive_of(const ellipsoid *e)
+{
+	eskel_primitive made = {.kind = ESKEL_PRIMITIVE_ELLIPSOID, .exponents = {1, 1}, .alpha = 1};
+	for (int a = 0; a < 3; a++) {
+		made.centre[a] = e->centre[a];
+		made.radii[a] = e->radii[a];
+		made.axes[a][a] = 1;
+	}
+	return made;
+}
+
 /* The blend reaches further than its parts: by a factor of 1.7 at most here. */
 static void set_up(scene *s, double steps)
 {
-	fields_ten(&s->ten);
-	s->field = blend_lanes(&s->ten);
+	ellipsoids ten;
+	eskel_primitive primitives[10];
+	fields_ten(&ten);
+	for (int i = 0; i < 10; i++)
+		primitives[i] = primitive_of(&ten.items[i]);
+	esk_composition_make(primitives, 10, ESKEL_COMPOSE_BLEND, &s->blend);
+	s->field = esk_composition_field(&s->blend);
 	double longest = 0;
 	for (int a = 0; a < 3; a++) {
 		double least = 1e300, greatest = -1e300;
 		for (int i = 0; i < 10; i++) {
-			const ellipsoid *e = &s->ten.items[i];
+			const ellipsoid *e = &ten.items[i];
 			const double low = e->centre[a] - 1.7 * e->radii[a], high = e->centre[a] + 1.7 * e->radii[a];
 			least = low < least ? low : least;
 			greatest = high > greatest ? high : greatest;
@@ -90,7 +107,7 @@ int main(int argc, char **argv)
 {
 	if (argc < 3)
 		fail("usage: bench_mesh FIGURE STEPS [FILE]");
-	scene s = {.mesh = NULL};
+	static scene s;
 	set_up(&s, strtod(argv[2], NULL));
 	measure_print(argv[1], "eskel, field and surface", measure_least(polygonise, &s), "ms");
 	measure_print(argv[1], "eskel, field and surface", measure_peak_megabytes(), "MB");

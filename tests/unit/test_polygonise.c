@@ -34,6 +34,18 @@ static eskel_mesh *polygonise(const esk_field *field, const esk_polygonise_optio
 	return mesh;
 }
 
+static void assert_no_vertex_is_spare(const eskel_mesh *mesh)
+{
+	bool *used = calloc(mesh->vertex_count, sizeof *used);
+	assert_non_null(used);
+	for (size_t t = 0; t < mesh->triangle_count; t++)
+		for (int c = 0; c < 3; c++)
+			used[mesh->triangles[t][c]] = true;
+	for (size_t v = 0; v < mesh->vertex_count; v++)
+		assert_true(used[v]);
+	free(used);
+}
+
 static eskel_mesh_check_result check(const eskel_mesh *mesh)
 {
 	eskel_mesh_check_result r;
@@ -41,6 +53,7 @@ static eskel_mesh_check_result check(const eskel_mesh *mesh)
 	if (!r.is_manifold)
 		fail_msg("%zu boundary edges, %zu crowded edges, %zu crowded vertices, %zu turned edges",
 			r.boundary_edges, r.crowded_edges, r.crowded_vertices, r.turned_edges);
+	assert_no_vertex_is_spare(mesh);
 	return r;
 }
 
