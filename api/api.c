@@ -15,6 +15,7 @@
 #define MOST_LABELS 1024
 #define MOST_DISTANCES 4000000
 #define MOST_KNOWN_BYTES ((uint64_t)2 << 30)
+#define MOST_RESULT_BYTES ((uint64_t)16 << 30)
 
 /* Signatures between two calls of loading: a progress bar needs no more, and a call may draw one. */
 #define LOADING_STEP 4096
@@ -138,6 +139,8 @@ static void set_defaults(eskel_api_options *options)
 		options->most_distances = MOST_DISTANCES;
 	if (options->most_known_bytes == 0)
 		options->most_known_bytes = MOST_KNOWN_BYTES;
+	if (options->most_result_bytes == 0)
+		options->most_result_bytes = MOST_RESULT_BYTES;
 }
 
 /* A deletion that waits goes before enrollments that come later, or it might wait for ever. */
@@ -169,14 +172,19 @@ eskel_store_status eskel_api_open(
 	if (status == ESKEL_STORE_OK) {
 		opened->calibration = esk_calibration_new(opened);
 		opened->pruning = esk_pruning_new(opened);
-		opened->jobs = esk_jobs_new(opened);
+		if (!opened->known || !opened->calibration || !opened->pruning)
+			status = ESKEL_STORE_NO_MEMORY;
 	}
-	if (status == ESKEL_STORE_OK && !(opened->known && opened->calibration && opened->pruning && opened->jobs))
-		status = refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 	if (status == ESKEL_STORE_OK)
-		*api = opened;
-	else
+		status = esk_jobs_new(opened, &opened->jobs, error);
+	if (status == ESKEL_STORE_NO_MEMORY)
+		refuse(error, status, "memory ran out");
+	if (status != ESKEL_STORE_OK) {
 		eskel_api_close(opened);
+		return status;
+	}
+	esk_jobs_begin(opened->jobs);
+	*api = opened;
 	return status;
 }
 

@@ -12,10 +12,10 @@ static json_t *job_json(const esk_job *job)
 	char url[64], result[80];
 	snprintf(url, sizeof url, "/jobs/%s", job->id);
 	snprintf(result, sizeof result, "%s/result", url);
-	return json_pack("{s:s, s:s, s:s, s:f, s:o, s:I, s:s?, s:s?, s:s?}", "id", job->id, "url", url, "state",
-		states[job->state], "progress", job->progress, "seconds",
-		esk_json_real(round(1e3 * job->seconds) / 1e3), "size", (json_int_t)job->size, "content_type",
-		job->state == ESK_JOB_DONE ? job->content_type : NULL, "result",
+	return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:o, s:I, s:s?, s:s?, s:s?}", "id", job->id, "url", url,
+		"created", job->created, "path", job->path, "state", states[job->state], "progress", job->progress,
+		"seconds", esk_json_real(round(1e3 * job->seconds) / 1e3), "size", (json_int_t)job->size,
+		"content_type", job->state == ESK_JOB_DONE ? job->content_type : NULL, "result",
 		job->state == ESK_JOB_DONE ? result : NULL, "problem", job->problem[0] ? job->problem : NULL);
 }
 
@@ -54,8 +54,7 @@ bool esk_job_get(eskel_exchange *exchange)
 
 bool esk_job_delete(eskel_exchange *exchange)
 {
-	return (esk_jobs_remove(exchange->api->jobs, exchange->id) ||
-		       esk_problem_set(&exchange->problem, 404, "there is no job %s", exchange->id)) &&
+	return esk_jobs_remove(exchange->api->jobs, exchange->id, &exchange->problem) &&
 	       esk_exchange_answer_nothing(exchange, 204);
 }
 
@@ -64,47 +63,55 @@ bool esk_job_delete(eskel_exchange *exchange)
 enum { PIECE = 1 << 16 };
 
 typedef struct {
-	int file;
-	off_t offset;
+	esk_job job; /* done */
+	int descriptor;
+	uint64_t sent;
 	char bytes[PIECE];
 } reader;
 
+/* An esk_stream's; false when the file has become shorter, too. */
 static bool read_piece(void *context, esk_text *piece)
 {
 	reader *r = context;
-	const ssize_t size = pread(r->file, r->bytes, sizeof r->bytes, r->offset);
-	if (size > 0)
-		esk_text_append(piece, r->bytes, (size_t)size);
-	r->offset += size;
-	return size >= 0;
+	const uint64_t left = r->job.size - r->sent;
+	const size_t wanted = left < PIECE ? (size_t)left : PIECE;
+	const ssize_t size = wanted > 0 ? pread(r->descriptor, r->bytes, wanted, (off_t)r->sent) : 0;
+	if (size < 0 || (size == 0 && wanted > 0))
+		return false;
+	esk_text_append(piece, r->bytes, (size_t)size);
+	r->sent += (uint64_t)size;
+	return true;
 }
 
 static void free_reader(void *context)
 {
 	reader *r = context;
-	close(r->file);
+	if (r->descriptor >= 0)
+		close(r->descriptor);
 	free(r);
+}
+
+static bool check_done(eskel_exchange *exchange, const esk_job *job)
+{
+	if (job->state == ESK_JOB_FAILED)
+		return esk_problem_set(&exchange->problem, job->status, "%s", job->problem);
+	return job->state == ESK_JOB_DONE ||
+	       esk_problem_set(&exchange->problem, 409,
+		       "the job is %.0f %% done, expected a job that is done: ask for its state until then",
+		       floor(100 * job->progress));
 }
 
 bool esk_job_get_result(eskel_exchange *exchange)
 {
-	esk_job job;
-	if (!find(exchange, &job))
-		return false;
-	if (job.state == ESK_JOB_FAILED)
-		return esk_problem_set(&exchange->problem, job.status, "%s", job.problem);
-	if (job.state != ESK_JOB_DONE)
-		return esk_problem_set(&exchange->problem, 409,
-			"the job is %.0f %% done, expected a job that is done: ask for its state until then",
-			floor(100 * job.progress));
 	reader *r = calloc(1, sizeof *r);
 	if (!r)
 		return esk_problem_no_memory(&exchange->problem);
-	r->file = esk_jobs_open(exchange->api->jobs, job.id);
-	if (r->file < 0) {
-		free(r);
-		return esk_problem_set(&exchange->problem, 503, "the job's file cannot be opened; try again later");
+	r->descriptor = -1;
+	if (!find(exchange, &r->job) || !check_done(exchange, &r->job) ||
+		!esk_jobs_result(exchange->api->jobs, r->job.id, &r->descriptor, &exchange->problem)) {
+		free_reader(r);
+		return false;
 	}
 	const esk_stream stream = {.next = read_piece, .free = free_reader, .source = r};
-	return esk_exchange_answer_stream(exchange, 200, job.content_type, job.size, &stream);
+	return esk_exchange_answer_stream(exchange, 200, r->job.content_type, r->job.size, &stream);
 }

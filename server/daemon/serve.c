@@ -115,6 +115,7 @@ static bool open_api(const esk_options *options, esk_server *server)
 		.most_labels = (uint32_t)options->most_labels,
 		.most_distances = options->most_distances,
 		.most_known_bytes = options->most_known,
+		.most_result_bytes = options->most_results,
 		.loading = loading,
 		.context = &logged,
 	};

@@ -69,7 +69,7 @@ static void a_new_database_is_its_owners_alone_and_says_whose_it_is(void **state
 		free(path);
 	}
 	assert_int_equal(ask(f->path, "PRAGMA application_id"), 0x45534b4c);
-	assert_int_equal(ask(f->path, "PRAGMA user_version"), 2);
+	assert_int_equal(ask(f->path, "PRAGMA user_version"), 3);
 }
 
 static void a_second_open_is_locked_until_the_first_closes(void **state)
@@ -191,10 +191,10 @@ static void a_newer_schema_is_refused_untouched(void **state)
 {
 	store_fixture *f = *state;
 	close_store(f);
-	database_edit(f->path, "PRAGMA user_version = 3");
-	assert_refused_untouched(f, f->path, "its schema is 3, expected at most 2");
+	database_edit(f->path, "PRAGMA user_version = 4");
+	assert_refused_untouched(f, f->path, "its schema is 4, expected at most 3");
 	database_edit(f->path, "PRAGMA user_version = -1");
-	assert_refused_untouched(f, f->path, "expected at most 2");
+	assert_refused_untouched(f, f->path, "expected at most 3");
 }
 
 static void a_newer_schema_that_is_only_in_the_log_is_refused(void **state)
@@ -203,9 +203,9 @@ static void a_newer_schema_that_is_only_in_the_log_is_refused(void **state)
 	close_store(f);
 	sqlite3 *db = NULL;
 	assert_int_equal(sqlite3_open(f->path, &db), SQLITE_OK);
-	assert_int_equal(sqlite3_exec(db, "PRAGMA user_version = 3", NULL, NULL, NULL), SQLITE_OK);
+	assert_int_equal(sqlite3_exec(db, "PRAGMA user_version = 4", NULL, NULL, NULL), SQLITE_OK);
 	assert_int_equal(open_store(f, f->path), ESKEL_STORE_FOREIGN);
-	assert_non_null(strstr(f->error.text, "the schema is 3, expected at most 2"));
+	assert_non_null(strstr(f->error.text, "the schema is 4, expected at most 3"));
 	sqlite3_close(db);
 }
 
@@ -371,10 +371,24 @@ static void assert_holds_the_fixture(store_fixture *f)
 	sample_free(&s);
 }
 
+static void assert_holds_jobs(store_fixture *f, size_t expected)
+{
+	eskel_job *jobs = NULL;
+	size_t count = 9;
+	assert_ok(eskel_store_jobs(f->store, &jobs, &count, &f->error), f);
+	assert_int_equal(count, expected);
+	for (size_t i = 0; i < count; i++) {
+		assert_string_equal(jobs[i].id, "000102030405060708090a0b0c0d0e0f");
+		assert_non_null(strstr(jobs[i].request, "/distances"));
+		assert_int_equal(jobs[i].state, ESKEL_JOB_QUEUED);
+	}
+	eskel_jobs_free(jobs, count);
+}
+
 static void a_database_of_every_step_opens_and_comes_up_to_date(void **state)
 {
 	store_fixture *f = *state;
-	for (int step = 1; step <= 2; step++) {
+	for (int step = 1; step <= 3; step++) {
 		char name[64];
 		snprintf(name, sizeof name, "fixtures/databases/schema_%03d.db", step);
 		size_t size;
@@ -384,8 +398,9 @@ static void a_database_of_every_step_opens_and_comes_up_to_date(void **state)
 		file_write(copy, file, size);
 		assert_int_equal(ask(copy, "PRAGMA user_version"), step);
 		assert_ok(open_store(f, copy), f);
-		assert_int_equal(ask(copy, "PRAGMA user_version"), 2);
+		assert_int_equal(ask(copy, "PRAGMA user_version"), 3);
 		assert_holds_the_fixture(f);
+		assert_holds_jobs(f, step >= 3);
 		assert_ok(sample_enroll(f->store, 2, NULL, &f->error), f);
 		uint64_t rows = 0;
 		assert_ok(eskel_store_audit_verify(f->store, &rows, &f->error), f);
