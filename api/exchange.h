@@ -17,6 +17,7 @@
 typedef struct {
 	bool (*next)(
 		void *source, esk_text *piece); /* appends the next piece, nothing at the end; false: memory ran out */
+	bool (*ended)(const void *source); /* whether nothing is the end; NULL: it always is (eskel_response.live) */
 	void (*free)(void *source);
 	double (*progress)(const void *source); /* the share that is there, 0 to 1; NULL: not known */
 	void *source;

@@ -96,18 +96,13 @@ bool esk_jobs_find(esk_jobs *jobs, const char *id, esk_job *job)
 	return found;
 }
 
-static bool no_job(esk_problem *problem, const char *id)
-{
-	return esk_problem_set(problem, 404, "there is no job %s", id);
-}
-
 bool esk_jobs_remove(esk_jobs *jobs, const char *id, esk_problem *problem)
 {
 	eskel_store_error error;
 	pthread_mutex_lock(&jobs->changing);
 	const bool removed = esk_jobs_place_of(jobs, id) < jobs->count
 				     ? esk_problem_store(problem, esk_jobs_forget(jobs, id, &error), &error)
-				     : no_job(problem, id);
+				     : esk_problem_no_job(problem, id);
 	pthread_mutex_unlock(&jobs->changing);
 	return removed;
 }
@@ -128,7 +123,7 @@ static bool repeat(esk_jobs *jobs, const char *id, esk_problem *problem)
 	return e && esk_problem_store(problem, status, &error)
 		       ? esk_problem_set(problem, 409,
 				 "the result was damaged; the job is done again, ask for its state until then")
-		       : no_job(problem, id);
+		       : esk_problem_no_job(problem, id);
 }
 
 bool esk_jobs_result(esk_jobs *jobs, const char *id, int *descriptor, esk_problem *problem)
@@ -150,6 +145,25 @@ bool esk_jobs_result(esk_jobs *jobs, const char *id, int *descriptor, esk_proble
 		jobs->entries[i]->verified = true;
 	pthread_mutex_unlock(&jobs->reading);
 	return true;
+}
+
+bool esk_jobs_watch(esk_jobs *jobs, esk_problem *problem)
+{
+	pthread_mutex_lock(&jobs->reading);
+	const bool room = jobs->watchers < ESK_JOB_WATCHERS_MOST;
+	jobs->watchers += room;
+	pthread_mutex_unlock(&jobs->reading);
+	return room || esk_problem_set(problem, 503,
+			       "%d streams of events are open, expected fewer; try again later, or ask for the job's "
+			       "state",
+			       ESK_JOB_WATCHERS_MOST);
+}
+
+void esk_jobs_unwatch(esk_jobs *jobs)
+{
+	pthread_mutex_lock(&jobs->reading);
+	jobs->watchers--;
+	pthread_mutex_unlock(&jobs->reading);
 }
 
 /* ---- life */

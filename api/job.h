@@ -15,6 +15,7 @@
 
 #define ESK_JOBS_MOST 16
 #define ESK_JOB_STARTS 3
+#define ESK_JOB_WATCHERS_MOST 64
 
 typedef enum { ESK_JOB_QUEUED, ESK_JOB_RUNNING, ESK_JOB_DONE, ESK_JOB_FAILED } esk_job_state;
 
@@ -54,5 +55,9 @@ bool esk_jobs_remove(esk_jobs *jobs, const char *id, esk_problem *problem);
 /* A descriptor of a done job's answer, to be closed. It is verified when it is asked for the first time since the start; one
  * that is damaged or gone is 409, and the job queued again. */
 bool esk_jobs_result(esk_jobs *jobs, const char *id, int *descriptor, esk_problem *problem);
+
+/* Who watches a job for long; 503 when there are ESK_JOB_WATCHERS_MOST. */
+bool esk_jobs_watch(esk_jobs *jobs, esk_problem *problem);
+void esk_jobs_unwatch(esk_jobs *jobs);
 
 #endif

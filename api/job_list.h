@@ -25,6 +25,7 @@ struct esk_jobs {
 	pthread_cond_t added;
 	pthread_t thread;
 	bool started, stopped;
+	unsigned watchers;
 	size_t count;
 	esk_job_entry *entries[ESK_JOBS_MOST]; /* oldest first */
 };

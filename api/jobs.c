@@ -1,30 +1,17 @@
 /* POST /distances, /jobs, /jobs/{id} and /jobs/{id}/result. */
-#include "job.h"
+#include "job_json.h"
 #include "resources.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-static json_t *job_json(const esk_job *job)
-{
-	static const char *const states[] = {"queued", "running", "done", "failed"};
-	char url[64], result[80];
-	snprintf(url, sizeof url, "/jobs/%s", job->id);
-	snprintf(result, sizeof result, "%s/result", url);
-	return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:o, s:I, s:s?, s:s?, s:s?}", "id", job->id, "url", url,
-		"created", job->created, "path", job->path, "state", states[job->state], "progress", job->progress,
-		"seconds", esk_json_real(round(1e3 * job->seconds) / 1e3), "size", (json_int_t)job->size,
-		"content_type", job->state == ESK_JOB_DONE ? job->content_type : NULL, "result",
-		job->state == ESK_JOB_DONE ? result : NULL, "problem", job->problem[0] ? job->problem : NULL);
-}
-
 bool esk_distances_post(eskel_exchange *exchange)
 {
 	esk_job job;
 	return esk_jobs_add(exchange->api->jobs, exchange, "/distances", &job) &&
 	       esk_exchange_add_header(exchange, "Location", "/jobs/%s", job.id) &&
-	       esk_exchange_answer_json(exchange, 202, job_json(&job));
+	       esk_exchange_answer_json(exchange, 202, esk_job_json(&job));
 }
 
 bool esk_jobs_get(eskel_exchange *exchange)
@@ -33,7 +20,7 @@ bool esk_jobs_get(eskel_exchange *exchange)
 	const size_t count = esk_jobs_list(exchange->api->jobs, list);
 	json_t *array = json_array();
 	for (size_t i = 0; i < count; i++)
-		if (json_array_append_new(array, job_json(&list[i])) != 0) {
+		if (json_array_append_new(array, esk_job_json(&list[i])) != 0) {
 			json_decref(array);
 			return esk_problem_no_memory(&exchange->problem);
 		}
@@ -43,13 +30,13 @@ bool esk_jobs_get(eskel_exchange *exchange)
 static bool find(eskel_exchange *exchange, esk_job *job)
 {
 	return esk_jobs_find(exchange->api->jobs, exchange->id, job) ||
-	       esk_problem_set(&exchange->problem, 404, "there is no job %s", exchange->id);
+	       esk_problem_no_job(&exchange->problem, exchange->id);
 }
 
 bool esk_job_get(eskel_exchange *exchange)
 {
 	esk_job job;
-	return find(exchange, &job) && esk_exchange_answer_json(exchange, 200, job_json(&job));
+	return find(exchange, &job) && esk_exchange_answer_json(exchange, 200, esk_job_json(&job));
 }
 
 bool esk_job_delete(eskel_exchange *exchange)

@@ -98,6 +98,11 @@ bool esk_problem_no_shape(esk_problem *problem, const char *id)
 	return esk_problem_set(problem, 404, "there is no shape %s", id);
 }
 
+bool esk_problem_no_job(esk_problem *problem, const char *id)
+{
+	return esk_problem_set(problem, 404, "there is no job %s", id);
+}
+
 bool esk_problem_engine(esk_problem *problem, eskel_status status, const eskel_error *error)
 {
 	if (status == ESKEL_OK)

@@ -29,7 +29,8 @@ bool esk_jobs_get(eskel_exchange *exchange);
 bool esk_job_get(eskel_exchange *exchange);
 bool esk_job_delete(eskel_exchange *exchange);
 bool esk_job_get_result(eskel_exchange *exchange);
-bool esk_health_live(eskel_exchange *exchange); /* health.c */
+bool esk_job_get_events(eskel_exchange *exchange); /* job_events.c */
+bool esk_health_live(eskel_exchange *exchange);    /* health.c */
 bool esk_health_ready(eskel_exchange *exchange);
 bool esk_openapi_get(eskel_exchange *exchange); /* openapi.c */
 

@@ -41,6 +41,7 @@ static const esk_route routes[] = {
 	{"/jobs", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_jobs_get},
 	{"/jobs/{id}", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_job_get},
 	{"/jobs/{id}", "DELETE", READ, ESK_BODY_NONE, true, nothing, NULL, esk_job_delete},
+	{"/jobs/{id}/events", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_job_get_events},
 	{"/jobs/{id}/result", "GET", READ, ESK_BODY_NONE, true, nothing, NULL, esk_job_get_result},
 	{"/openapi.json", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_openapi_get},
 	{"/readyz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_ready},

@@ -68,6 +68,7 @@ typedef struct {
 	const void *body;
 	size_t size;                     /* ESKEL_SIZE_UNKNOWN: of a streamed body that shows its size at its end */
 	bool streamed;                   /* the body comes from eskel_exchange_next */
+	bool live;                       /* in pieces as there is news, each made at once and in any thread */
 } eskel_response;
 
 #define ESKEL_SIZE_UNKNOWN SIZE_MAX
@@ -94,10 +95,13 @@ ESKEL_API void eskel_exchange_feed(eskel_exchange *exchange, const void *bytes, 
 ESKEL_API bool eskel_exchange_is_heavy(const eskel_exchange *exchange);
 ESKEL_API void eskel_exchange_finish(eskel_exchange *exchange);
 
-/* The next piece of a streamed body, which computes and belongs into a worker; *size is 0 after the last one. The bytes
- * stay until the next call. False when memory ran out: the transport breaks the connection off, lest the client take a
+/* The next piece of a streamed body, which computes and belongs into a worker; *size is 0 after the last one. Of a live one
+ * it is 0 also when there is nothing to say yet: ask again in a while, until it has ended. The bytes stay until the next
+ * call. False when memory ran out: the transport breaks the connection off, lest the client take a
  * part for the whole. Nothing is left to be undone when the transport asks no more. */
 ESKEL_API bool eskel_exchange_next(eskel_exchange *exchange, const void **bytes, size_t *size);
+/* Whether the last piece was empty because it was the last. */
+ESKEL_API bool eskel_exchange_ended(const eskel_exchange *exchange);
 
 /* The same problem+json body for refusals by the transport itself (401, 413, 429, 503 ...). free() it; NULL when
  * memory ran out. */

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <time.h>
 #include <cmocka.h>
 
 #define MOST_FIELDS 6000
@@ -196,7 +197,9 @@ static void read_body(eskel_exchange *exchange, answer *a)
 		demand(!a->streamed || eskel_exchange_next(exchange, &bytes, &size), "eskel_exchange_next");
 		if (a->streamed)
 			add_bytes(a, bytes, size);
-	} while (a->streamed && size > 0);
+		if (a->streamed && size == 0 && !eskel_exchange_ended(exchange))
+			nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+	} while (a->streamed && !eskel_exchange_ended(exchange));
 	demand(response->size == a->size || (a->streamed && response->size == ESKEL_SIZE_UNKNOWN), "response->size");
 }
 

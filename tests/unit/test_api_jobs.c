@@ -176,6 +176,92 @@ static void jobs_that_ended_make_room_for_new_ones(void **state)
 	answer_free(&first);
 }
 
+/* ---- events */
+
+static answer watch(eskel_api *api, const char *id, const char *last_seen)
+{
+	char target[64];
+	snprintf(target, sizeof target, "/jobs/%s/events", id);
+	return ask(api, &(question){.target = target, .headers = {{"Last-Event-ID", last_seen}}});
+}
+
+static void events_tell_what_becomes_of_a_job(void **state)
+{
+	api_fixture *f = *state;
+	char *target = large_target(f->api, 500), first[ESKEL_ID_SIZE], second[ESKEL_ID_SIZE];
+	begin(f->api, target, first);
+	begin(f->api, "/distances?id=00000000000000000000000000000001", second);
+	answer all = watch(f->api, first, "17"), failed = watch(f->api, second, "18");
+	assert_status(&all, 200);
+	assert_true(all.streamed);
+	assert_string_equal(all.type, "text/event-stream");
+	assert_memory_equal(all.body, "event: state\ndata: {\"id\":\"", 26);
+	assert_non_null(strstr(all.body, "\n\nevent: progress\ndata: {"));
+	const char *last = strstr(all.body, "\n\nid: end\nevent: state\ndata: {");
+	assert_non_null(last);
+	assert_non_null(strstr(last, "\"state\":\"done\",\"progress\":1.0,"));
+	assert_string_equal(strstr(last + 2, "\n\n"), "\n\n");
+	answer again = watch(f->api, first, "end"), done = get(f->api, "/jobs/%s", first);
+	assert_status(&again, 204);
+	assert_int_equal(again.size, 0);
+	assert_non_null(strstr(last, done.body));
+	assert_non_null(strstr(failed.body, "id: end\nevent: state\ndata: {"));
+	assert_non_null(strstr(failed.body, "\"problem\":\"there is no shape"));
+	answer unknown = get(f->api, "/jobs/%032d/events", 7);
+	assert_says(&unknown, 404, "there is no job");
+	answer_free(&all);
+	answer_free(&failed);
+	answer_free(&again);
+	answer_free(&done);
+	answer_free(&unknown);
+	free(target);
+}
+
+static eskel_exchange *open_events(eskel_api *api, const char *id)
+{
+	char path[64];
+	snprintf(path, sizeof path, "/jobs/%s/events", id);
+	eskel_exchange *exchange =
+		eskel_api_begin(api, &(eskel_request){.method = "GET", .path = path, .role = ESKEL_ROLE_READ});
+	assert_non_null(exchange);
+	assert_false(eskel_exchange_is_heavy(exchange));
+	eskel_exchange_finish(exchange);
+	return exchange;
+}
+
+static void a_stream_says_nothing_where_there_is_no_news_and_streams_are_limited(void **state)
+{
+	api_fixture *f = *state;
+	char *target = large_target(f->api, 900), first[ESKEL_ID_SIZE], second[ESKEL_ID_SIZE];
+	eskel_exchange *streams[65];
+	const void *bytes = NULL;
+	size_t size = 0;
+	begin(f->api, target, first);
+	begin(f->api, target, second);
+	for (size_t i = 0; i < 65; i++) {
+		streams[i] = open_events(f->api, second);
+		assert_int_equal(eskel_exchange_response(streams[i])->status, i < 64 ? 200 : 503);
+	}
+	assert_true(eskel_exchange_response(streams[0])->live);
+	assert_true(eskel_exchange_next(streams[0], &bytes, &size));
+	assert_true(size > 0);
+	assert_true(eskel_exchange_next(streams[0], &bytes, &size)); /* it waits for the first job */
+	assert_int_equal(size, 0);
+	assert_false(eskel_exchange_ended(streams[0]));
+	assert_int_equal(delete_job(f->api, second), 204);
+	assert_true(eskel_exchange_next(streams[0], &bytes, &size));
+	assert_memory_equal(bytes, "event: gone\ndata: {\"id\":\"", 25);
+	assert_true(eskel_exchange_next(streams[0], &bytes, &size));
+	assert_int_equal(size, 0);
+	assert_true(eskel_exchange_ended(streams[0]));
+	for (size_t i = 0; i < 65; i++)
+		eskel_exchange_free(streams[i]);
+	streams[0] = open_events(f->api, first);
+	assert_int_equal(eskel_exchange_response(streams[0])->status, 200);
+	eskel_exchange_free(streams[0]);
+	free(target);
+}
+
 /* ---- restarts */
 
 static char *result_path(const api_fixture *f, const char *id)
@@ -357,6 +443,8 @@ int main(void)
 		api_test(a_streamed_matrix_is_whole_in_the_file),
 		api_test(what_cannot_be_begun_is_refused_and_what_fails_says_why),
 		api_test(jobs_that_ended_make_room_for_new_ones),
+		api_test(events_tell_what_becomes_of_a_job),
+		api_test(a_stream_says_nothing_where_there_is_no_news_and_streams_are_limited),
 		api_test(jobs_are_in_their_state_after_a_restart),
 		api_test(a_negotiated_format_is_remembered),
 		api_test(a_result_that_is_damaged_or_gone_is_made_again),

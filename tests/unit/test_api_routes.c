@@ -29,6 +29,7 @@ static void every_path_answers_options_with_its_methods(void **state)
 		{"/distances", "GET, HEAD, POST, OPTIONS"},
 		{"/jobs", "GET, HEAD, OPTIONS"},
 		{"/jobs/" ID, "GET, HEAD, DELETE, OPTIONS"},
+		{"/jobs/" ID "/events", "GET, HEAD, OPTIONS"},
 		{"/jobs/" ID "/result", "GET, HEAD, OPTIONS"},
 		{"/evaluation", "GET, HEAD, OPTIONS"},
 		{"/healthz", "GET, HEAD, OPTIONS"},
