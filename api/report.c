@@ -24,6 +24,8 @@ static const layout layouts[] = {
 	[ESKEL_REPORT_RECOGNITION] = {"results", JSON_ARRAY, esk_report_recognition},
 	[ESKEL_REPORT_EVALUATION] = {"measures", JSON_OBJECT, esk_report_evaluation},
 	[ESKEL_REPORT_CHECK] = {"labels", JSON_ARRAY, esk_report_check},
+	[ESKEL_REPORT_JOBS] = {"jobs", JSON_ARRAY, esk_report_jobs},
+	[ESKEL_REPORT_JOB] = {"state", JSON_STRING, esk_report_jobs},
 	[ESKEL_REPORT_DISTANCES] = {"distances", JSON_ARRAY, esk_report_distances},
 };
 

@@ -14,12 +14,14 @@ enum {
 	EVALUATE = 32,
 	CHECK = 64,
 	EXPORT = 128,
-	IMPORT = 256
+	IMPORT = 256,
+	JOBS = 512,
+	JOB = 1024
 };
 enum {
-	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK | EXPORT | IMPORT,
+	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK | EXPORT | IMPORT | JOBS | JOB,
 	SERVED = ALL & ~SKELETON,
-	FILTERED = SERVED & ~(ENROLL | IMPORT),
+	FILTERED = SERVED & ~(ENROLL | IMPORT | JOBS | JOB),
 	COMPARED = RECOGNIZE | CHECK | DISTANCES | EVALUATE
 };
 
@@ -35,6 +37,8 @@ static const esk_command commands[] = {
 	{"show", "[ID]", "list shapes, or show one", 0, 1, SHOW, esk_command_show},
 	{"export", "DIR", "write the library: tables, and a volume a shape", 1, 1, EXPORT, esk_command_export},
 	{"import", "DIR", "store what an export wrote", 1, 1, IMPORT, esk_command_import},
+	{"jobs", "", "list jobs: answers that nobody waits for", 0, 0, JOBS, esk_command_jobs},
+	{"job", "ID", "wait for a job to end; interrupted, it leaves it alone", 1, 1, JOB, esk_command_job},
 	{"skeleton", "FILE", "the skeletons of a volume's objects, without a server", 1, 1, SKELETON,
 		esk_command_skeleton},
 };
@@ -91,6 +95,9 @@ static const esk_option options[] = {
 		"json, csv, npy (for numpy.load) or svg (a picture), in place of a table"},
 	{"plot", "KIND", DISTANCES, "plot", "of --format svg: heatmap (default) or map"},
 	{"output", "FILE", DISTANCES, NULL, "where the matrix goes; default: standard output"},
+	{"job", NULL, DISTANCES, NULL, "as a job, which eskel job waits for"},
+	{"output", "FILE", JOB, NULL, "where the result goes; default: nowhere, only what became of the job is shown"},
+	{"cancel", NULL, JOB, NULL, "end the job, or forget one that has ended, in place of waiting"},
 	{"columns", NULL, DISTANCES, "columns=all", "compare with all shapes, in place of among themselves"},
 	{"columns-id", "ID,...", DISTANCES, "columns.id", "compare with these shapes"},
 	{"columns-class", "CLASS", DISTANCES, "columns.class", "compare with shapes of this class"},

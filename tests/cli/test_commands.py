@@ -156,6 +156,25 @@ class Commands(Served):
         self.assertEqual(heading, ["id", "name", self.ids["hook_left"], self.ids["hook_right"]])
         self.assertEqual([row[0] for row in rows], heading[2:])
 
+    def test_a_matrix_as_a_job_is_waited_for_and_is_what_it_would_be_at_once(self):
+        row, = self.rows(self.eskel("distances", "--class", "hook", "--format", "csv", "--job"))
+        self.assertEqual((row["path"], len(row["id"])), ("/distances", 32))
+        output = self.path("job.csv")
+        run = self.eskel("job", row["id"], "--output", output)
+        self.assertEqual((run.returncode, run.stdout, run.stderr), (0, "", ""))
+        with open(output, newline="") as file:
+            self.assertEqual(file.read().splitlines(),
+                             self.eskel("distances", "--class", "hook", "--format", "csv").stdout.splitlines())
+        self.assertEqual(json.loads(self.eskel("job", row["id"], "--json").stdout)["state"], "done")
+        listed = {job["id"]: job for job in self.rows(self.eskel("jobs"))}
+        self.assertEqual((listed[row["id"]]["state"], listed[row["id"]]["done"]), ("done", "100.0 %"))
+        self.assert_run(self.eskel("job", row["id"], "--cancel"), 0)
+        self.assert_run(self.eskel("job", row["id"]), 1, "there is no job")
+
+    def test_a_job_that_failed_is_exit_code_1_with_its_reason(self):
+        row, = self.rows(self.eskel("distances", "0" * 32, "--job"))
+        self.assert_run(self.eskel("job", row["id"]), 1, "there is no shape " + "0" * 32)
+
     def test_one_evaluation_has_its_details(self):
         run = self.eskel("evaluate", "--class", "hook")
         self.assertEqual((run.returncode, run.stderr), (0, ""))
