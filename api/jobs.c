@@ -1,10 +1,9 @@
 /* POST /distances, /jobs, /jobs/{id} and /jobs/{id}/result. */
+#include "file_body.h"
 #include "job_json.h"
 #include "resources.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 bool esk_distances_post(eskel_exchange *exchange)
 {
@@ -45,39 +44,6 @@ bool esk_job_delete(eskel_exchange *exchange)
 	       esk_exchange_answer_nothing(exchange, 204);
 }
 
-/* ---- the result */
-
-enum { PIECE = 1 << 16 };
-
-typedef struct {
-	esk_job job; /* done */
-	int descriptor;
-	uint64_t sent;
-	char bytes[PIECE];
-} reader;
-
-/* An esk_stream's; false when the file has become shorter, too. */
-static bool read_piece(void *context, esk_text *piece)
-{
-	reader *r = context;
-	const uint64_t left = r->job.size - r->sent;
-	const size_t wanted = left < PIECE ? (size_t)left : PIECE;
-	const ssize_t size = wanted > 0 ? pread(r->descriptor, r->bytes, wanted, (off_t)r->sent) : 0;
-	if (size < 0 || (size == 0 && wanted > 0))
-		return false;
-	esk_text_append(piece, r->bytes, (size_t)size);
-	r->sent += (uint64_t)size;
-	return true;
-}
-
-static void free_reader(void *context)
-{
-	reader *r = context;
-	if (r->descriptor >= 0)
-		close(r->descriptor);
-	free(r);
-}
-
 static bool check_done(eskel_exchange *exchange, const esk_job *job)
 {
 	if (job->state == ESK_JOB_FAILED)
@@ -90,15 +56,9 @@ static bool check_done(eskel_exchange *exchange, const esk_job *job)
 
 bool esk_job_get_result(eskel_exchange *exchange)
 {
-	reader *r = calloc(1, sizeof *r);
-	if (!r)
-		return esk_problem_no_memory(&exchange->problem);
-	r->descriptor = -1;
-	if (!find(exchange, &r->job) || !check_done(exchange, &r->job) ||
-		!esk_jobs_result(exchange->api->jobs, r->job.id, &r->descriptor, &exchange->problem)) {
-		free_reader(r);
-		return false;
-	}
-	const esk_stream stream = {.next = read_piece, .free = free_reader, .source = r};
-	return esk_exchange_answer_stream(exchange, 200, r->job.content_type, r->job.size, &stream);
+	esk_job job;
+	int descriptor;
+	return find(exchange, &job) && check_done(exchange, &job) &&
+	       esk_jobs_result(exchange->api->jobs, job.id, &descriptor, &exchange->problem) &&
+	       esk_exchange_answer_file(exchange, 200, job.content_type, descriptor, 0, job.size);
 }

@@ -59,6 +59,7 @@ static const struct {
 	{413, "Content Too Large"},
 	{414, "URI Too Long"},
 	{415, "Unsupported Media Type"},
+	{416, "Range Not Satisfiable"},
 	{421, "Misdirected Request"},
 	{422, "Unprocessable Content"},
 	{429, "Too Many Requests"},

@@ -14,6 +14,10 @@ bool esk_shape_delete(eskel_exchange *exchange);
 bool esk_skeleton_get(eskel_exchange *exchange);    /* skeleton.c */
 bool esk_signature_get(eskel_exchange *exchange);   /* signature.c */
 bool esk_volume_get(eskel_exchange *exchange);      /* volume.c */
+bool esk_ellipsoids_get(eskel_exchange *exchange);  /* surface.c */
+bool esk_details_get(eskel_exchange *exchange);
+bool esk_mesh_check(eskel_exchange *exchange); /* mesh.c */
+bool esk_mesh_get(eskel_exchange *exchange);
 bool esk_recognize_check(eskel_exchange *exchange); /* recognize.c */
 bool esk_recognize_shape(eskel_exchange *exchange);
 bool esk_recognize_volume(eskel_exchange *exchange);

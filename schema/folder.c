@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MOST_NAME = 80, PIECE = 1 << 16 };
+enum { MOST_NAME = 120, PIECE = 1 << 16 };
 
 static const char unfinished[] = ".part"; /* a temporary name is NAME.N.part; no name has a dot */
 
@@ -114,6 +114,11 @@ void eskel_folder_remove(eskel_folder *folder, const char *name)
 	unlinkat(folder->directory, name, 0);
 }
 
+void eskel_folder_touch(eskel_folder *folder, const char *name)
+{
+	utimensat(folder->directory, name, NULL, AT_SYMLINK_NOFOLLOW);
+}
+
 static bool is_wanted(const eskel_folder *folder, const char *name,
 	bool (*keep)(void *context, const char *name, uint64_t size, int64_t used), void *context)
 {
@@ -121,7 +126,8 @@ static bool is_wanted(const eskel_folder *folder, const char *name,
 	if (fstatat(folder->directory, name, &is, AT_SYMLINK_NOFOLLOW) != 0 || S_ISDIR(is.st_mode))
 		return true;
 	return !is_unfinished(name) && S_ISREG(is.st_mode) && is.st_size >= ESK_SHA256_BYTES &&
-	       keep(context, name, (uint64_t)is.st_size - ESK_SHA256_BYTES, (int64_t)is.st_mtime);
+	       keep(context, name, (uint64_t)is.st_size - ESK_SHA256_BYTES,
+		       (int64_t)is.st_mtim.tv_sec * 1000000000 + is.st_mtim.tv_nsec);
 }
 
 eskel_store_status eskel_folder_each(eskel_folder *folder,

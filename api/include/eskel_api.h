@@ -25,6 +25,7 @@ typedef struct {
 	uint64_t most_distances;         /* cells of a matrix that is drawn; default 4 million */
 	uint64_t most_known_bytes;       /* of shapes that recognitions have read, 24 kB each; default 2 GiB */
 	uint64_t most_result_bytes;      /* of all jobs' results together, on disk; default 16 GiB */
+	uint64_t most_mesh_bytes;        /* of meshes that are kept, on disk; default 1 GiB */
 	eskel_store_options store;
 	/* Told now and then while the library fills; false stops, and open fails with ESKEL_STORE_INVALID. */
 	bool (*loading)(void *context, uint64_t loaded, uint64_t total);

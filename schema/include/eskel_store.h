@@ -247,8 +247,8 @@ ESKEL_API void eskel_jobs_free(eskel_job *jobs, size_t count);
 /* ---------------------------------------------------------------------------------------------- files */
 
 /* What is too large for rows and can be made again: files in a folder beside the database, "shapes.db-NAME", mode 0700. A
- * file appears under its name when it is whole and on disk, and carries its SHA-256. Names are the caller's: letters
- * and digits. A folder and its files may be used by any thread, a file that is written by one at a time. */
+ * file appears under its name when it is whole and on disk, and carries its SHA-256. Names are the caller's: letters,
+ * digits and hyphens, at most 120. A folder and its files may be used by any thread, a file that is written by one at a time. */
 typedef struct eskel_folder eskel_folder;
 typedef struct eskel_file eskel_file;
 
@@ -256,12 +256,18 @@ typedef struct eskel_file eskel_file;
 ESKEL_API eskel_store_status eskel_folder_open(eskel_store *store, const char *name, eskel_folder **folder,
 	eskel_store_error *error);
 ESKEL_API void eskel_folder_close(eskel_folder *folder);
-/* Shows each file, in no order, and its last use; false removes it. size is without the digest. */
+/* Shows each file, in no order, and when it was last written or touched, Unix nanoseconds; false removes it. size is without
+ * the digest. */
 ESKEL_API eskel_store_status eskel_folder_each(eskel_folder *folder,
 	bool (*keep)(void *context, const char *name, uint64_t size, int64_t used), void *context,
 	eskel_store_error *error);
+/* Makes now the time of its last use. */
+ESKEL_API void eskel_folder_touch(eskel_folder *folder, const char *name);
 /* One that is not there is fine, one that is being read stays until it is closed. */
 ESKEL_API void eskel_folder_remove(eskel_folder *folder, const char *name);
+
+/* The SHA-256 of bytes in hex: a name. */
+ESKEL_API void eskel_digest(const void *bytes, size_t size, char text[ESKEL_SHA256_SIZE]);
 
 /* A new file, to be kept or discarded. FULL when the disk has less room than the store leaves (least_free_bytes). */
 ESKEL_API eskel_store_status eskel_file_create(eskel_folder *folder, const char *name, eskel_file **file,

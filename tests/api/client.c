@@ -219,6 +219,8 @@ answer ask(eskel_api *api, const question *q)
 	a.link = header(response, "Link");
 	a.allow = header(response, "Allow");
 	a.challenge = header(response, "WWW-Authenticate");
+	a.part = header(response, "Content-Range");
+	a.caching = header(response, "Cache-Control");
 	read_body(exchange, &a);
 	a.json = json_loadb(a.body, a.size, JSON_REJECT_DUPLICATES, NULL);
 	record(q, &a);
@@ -234,6 +236,8 @@ void answer_free(answer *a)
 	free(a->link);
 	free(a->allow);
 	free(a->challenge);
+	free(a->part);
+	free(a->caching);
 	free(a->body);
 	json_decref(a->json);
 	*a = (answer){0};

@@ -184,7 +184,7 @@ static bool keep_b(void *context, const char *name, uint64_t size, int64_t used)
 {
 	size_t *count = context;
 	(*count)++;
-	assert_true(used > 1700000000);
+	assert_true(used > 1700000000000000000);
 	assert_int_equal(size, 5);
 	return strcmp(name, "b") == 0;
 }
