@@ -156,6 +156,17 @@ class Commands(Served):
         self.assertEqual(heading, ["id", "name", self.ids["hook_left"], self.ids["hook_right"]])
         self.assertEqual([row[0] for row in rows], heading[2:])
 
+    def test_a_mesh_is_of_the_format_that_its_file_is_called(self):
+        for name, begins in (("a.glb", b"glTF"), ("a.PLY", b"ply"), ("a.obj", b"#"), ("a", b"glTF")):
+            run = self.eskel("mesh", self.ids["hook_left"], "--output", self.path(name), "--step", 2, "--level", 4)
+            self.assertEqual((run.returncode, run.stdout, run.stderr), (0, "", ""))
+            with open(self.path(name), "rb") as file:
+                self.assertEqual(file.read(len(begins)), begins)
+        run = self.eskel("mesh", self.ids["ball"], "--format", "obj", "--frame", "lps")
+        self.assertIn("SPACE=LPS", run.stdout)
+        self.assert_run(self.eskel("mesh", self.ids["ball"], "--step", "0"), 1, "expected millimetres")
+        self.assert_run(self.eskel("mesh", "0" * 32), 1, "there is no shape")
+
     def test_a_matrix_as_a_job_is_waited_for_and_is_what_it_would_be_at_once(self):
         row, = self.rows(self.eskel("distances", "--class", "hook", "--format", "csv", "--job"))
         self.assertEqual((row["path"], len(row["id"])), ("/distances", 32))
