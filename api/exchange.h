@@ -38,6 +38,10 @@ struct eskel_exchange {
 	eskel_intake *intake; /* of ESK_BODY_VOLUME */
 	esk_text json;        /* of ESK_BODY_JSON */
 
+	/* Of a job: told the share that is done, false when nobody wants the rest. NULL: somebody waits. */
+	bool (*progress)(void *context, double share);
+	void *progress_context;
+
 	bool settled;
 	eskel_response response;
 	eskel_field response_headers[ESK_RESPONSE_HEADERS];

@@ -18,13 +18,13 @@ static bool write_id(char id[ESKEL_ID_SIZE])
 	return true;
 }
 
-static esk_job_entry *make_entry(const eskel_exchange *exchange, const char *path)
+static esk_job_entry *make_entry(const eskel_exchange *exchange, const char *method, const char *path)
 {
 	esk_job_entry *e = calloc(1, sizeof *e);
 	if (!e)
 		return NULL;
 	snprintf(e->path, sizeof e->path, "%s", path);
-	e->row.request = esk_job_request_text(exchange, path);
+	e->row.request = esk_job_request_text(exchange, method, path);
 	if (e->row.request && write_id(e->row.id))
 		return e;
 	esk_job_entry_free(e);
@@ -62,9 +62,9 @@ static bool add(esk_jobs *jobs, esk_job_entry *e, esk_job *job, esk_problem *pro
 	return true;
 }
 
-bool esk_jobs_add(esk_jobs *jobs, eskel_exchange *exchange, const char *path, esk_job *job)
+bool esk_jobs_add(esk_jobs *jobs, eskel_exchange *exchange, const char *method, const char *path, esk_job *job)
 {
-	esk_job_entry *e = make_entry(exchange, path);
+	esk_job_entry *e = make_entry(exchange, method, path);
 	if (!e)
 		return esk_problem_no_memory(&exchange->problem);
 	pthread_mutex_lock(&jobs->changing);

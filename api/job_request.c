@@ -1,10 +1,10 @@
-/* {"path": "/distances", "query": [["class", "femur"], ...], "accept": "text/csv"}, see job_request.h. */
+/* {"method": "GET", "path": "/distances", "role": 1, "query": [["class", "femur"], ...], "accept": "text/csv"}, see job_request.h. */
 #include "job_request.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-char *esk_job_request_text(const eskel_exchange *exchange, const char *path)
+char *esk_job_request_text(const eskel_exchange *exchange, const char *method, const char *path)
 {
 	json_t *query = json_array();
 	for (size_t i = 0; i < exchange->query_count; i++) {
@@ -14,8 +14,8 @@ char *esk_job_request_text(const eskel_exchange *exchange, const char *path)
 			return NULL;
 		}
 	}
-	return esk_json_text(json_pack("{s:s, s:o, s:s?}", "path", path, "query", query, "accept",
-		esk_exchange_request_header(exchange, "Accept")));
+	return esk_json_text(json_pack("{s:s, s:s, s:i, s:o, s:s?}", "method", method, "path", path, "role",
+		(int)exchange->route->role, "query", query, "accept", esk_exchange_request_header(exchange, "Accept")));
 }
 
 void esk_job_request_path(const char *text, char path[ESK_JOB_PATH_SIZE])
@@ -41,20 +41,22 @@ static bool read_query(const json_t *query, eskel_field *fields)
 eskel_exchange *esk_job_request_begin(eskel_api *api, const char *text)
 {
 	eskel_exchange *exchange = NULL;
-	const char *path;
+	const char *method, *path;
+	int role;
 	json_t *query, *accept, *request = json_loads(text, 0, NULL);
-	if (json_unpack(request, "{s:s, s:o, s:o}", "path", &path, "query", &query, "accept", &accept) == 0) {
+	if (json_unpack(request, "{s:s, s:s, s:i, s:o, s:o}", "method", &method, "path", &path, "role", &role, "query",
+		    &query, "accept", &accept) == 0) {
 		const eskel_field header = {"Accept", json_string_value(accept)};
 		const size_t count = json_array_size(query);
 		eskel_field *fields = calloc(count + 1, sizeof *fields);
 		const eskel_request head = {
-			.method = "GET",
+			.method = method,
 			.path = path,
 			.query = fields,
 			.query_count = count,
 			.headers = &header,
 			.header_count = header.value != NULL,
-			.role = ESKEL_ROLE_READ,
+			.role = (eskel_role)role,
 		};
 		if (fields && read_query(query, fields))
 			exchange = eskel_api_begin(api, &head);

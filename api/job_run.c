@@ -81,11 +81,29 @@ static bool store_answer(esk_jobs *jobs, esk_job_entry *e, eskel_exchange *excha
 	return esk_problem_store(problem, eskel_file_keep(file, &error), &error);
 }
 
+typedef struct {
+	esk_jobs *jobs;
+	esk_job_entry *entry;
+} watch;
+
+/* An exchange's progress. */
+static bool note_share(void *context, double share)
+{
+	watch *w = context;
+	pthread_mutex_lock(&w->jobs->reading);
+	w->entry->progress = share;
+	pthread_mutex_unlock(&w->jobs->reading);
+	return is_wanted(w->jobs, w->entry);
+}
+
 static void answer(esk_jobs *jobs, esk_job_entry *e, eskel_job *row)
 {
+	watch w = {jobs, e};
 	esk_problem problem = {0};
 	eskel_exchange *exchange = esk_job_request_begin(jobs->api, row->request);
 	if (exchange) {
+		exchange->progress = note_share;
+		exchange->progress_context = &w;
 		eskel_exchange_finish(exchange);
 		const eskel_response *response = eskel_exchange_response(exchange);
 		snprintf(row->content_type, sizeof row->content_type, "%s",

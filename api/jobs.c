@@ -8,7 +8,7 @@
 bool esk_distances_post(eskel_exchange *exchange)
 {
 	esk_job job;
-	return esk_jobs_add(exchange->api->jobs, exchange, "/distances", &job) &&
+	return esk_jobs_add(exchange->api->jobs, exchange, "GET", "/distances", &job) &&
 	       esk_exchange_add_header(exchange, "Location", "/jobs/%s", job.id) &&
 	       esk_exchange_answer_json(exchange, 202, esk_job_json(&job));
 }

@@ -35,6 +35,7 @@ typedef struct {
 	esk_drawn drawn;
 	uint32_t level;
 	double step;
+	eskel_fitted fitted;                          /* bytes NULL: best ellipsoids */
 	char name[ESKEL_ID_SIZE + ESKEL_SHA256_SIZE]; /* of the file: id-digest */
 	char etag[ESKEL_ID_SIZE + 2];
 } request;
@@ -42,10 +43,17 @@ typedef struct {
 bool esk_mesh_check(eskel_exchange *exchange)
 {
 	const esk_parameters *query = &exchange->query;
-	const bool said = query->level || query->step > 0 || query->compose != ESK_COMPOSE_UNSAID;
+	const bool composed = query->compose != ESK_COMPOSE_UNSAID,
+		   primitive = query->primitive != ESK_PRIMITIVE_UNSAID;
+	const bool said = query->level || query->step > 0 || composed || primitive;
+	if (composed && primitive && query->primitive != ESK_PRIMITIVE_ELLIPSOID)
+		return esk_problem_set(&exchange->problem, 400,
+			"compose is given beside a primitive that is fitted, expected none: it is fitted as a blend");
 	return query->source != ESK_SOURCE_VOXELS || !said ||
 	       esk_problem_set(&exchange->problem, 400,
-		       "level, step or compose is given beside source=voxels, expected none: voxels are what they are");
+		       "level, step, primitive or compose is given beside source=voxels, expected none: voxels are "
+		       "what they "
+		       "are");
 }
 
 /* ---- the question */
@@ -53,11 +61,11 @@ bool esk_mesh_check(eskel_exchange *exchange)
 static void write_name(eskel_exchange *exchange, request *r)
 {
 	const esk_parameters *query = &exchange->query;
-	char question[200], digest[ESKEL_SHA256_SIZE];
-	const int size = snprintf(question, sizeof question, MESHES " %s level %u step %.17g %s %s %s %s", exchange->id,
-		r->level, r->step, query->compose == ESK_COMPOSE_UNION ? "union" : "blend",
-		esk_parameters_choice(query, "source"), esk_parameters_choice(query, "format/mesh"),
-		esk_parameters_choice(query, "frame"));
+	char question[300], digest[ESKEL_SHA256_SIZE];
+	const int size = snprintf(question, sizeof question, MESHES " %s level %u step %.17g fitted %s %s %s %s %s",
+		exchange->id, r->level, r->step, r->fitted.sha256,
+		query->compose == ESK_COMPOSE_UNION ? "union" : "blend", esk_parameters_choice(query, "source"),
+		esk_parameters_choice(query, "format/mesh"), esk_parameters_choice(query, "frame"));
 	eskel_digest(question, (size_t)size, digest);
 	snprintf(r->name, sizeof r->name, "%s-%s", exchange->id, digest);
 	snprintf(r->etag, sizeof r->etag, "\"%.32s\"", digest);
@@ -66,6 +74,10 @@ static void write_name(eskel_exchange *exchange, request *r)
 static bool read_request(eskel_exchange *exchange, request *r)
 {
 	if (!esk_drawn_read(exchange, &r->drawn) || !esk_drawn_level(exchange, &r->drawn, &r->level))
+		return false;
+	const unsigned primitive = exchange->query.primitive;
+	if (primitive != ESK_PRIMITIVE_UNSAID && primitive != ESK_PRIMITIVE_ELLIPSOID &&
+		!esk_drawn_fitted(exchange, &r->drawn, r->level, &r->fitted))
 		return false;
 	r->step = exchange->query.step > 0 ? exchange->query.step : esk_detail_step(r->drawn.skeleton);
 	if (exchange->query.source == ESK_SOURCE_VOXELS) {
@@ -95,9 +107,13 @@ static bool mesh_surface(eskel_exchange *exchange, const request *r, eskel_mesh 
 {
 	eskel_error error = {0};
 	eskel_surface *surface = NULL;
-	const bool good = esk_drawn_surface(exchange, &r->drawn, r->level, &surface) &&
-			  esk_problem_engine(&exchange->problem,
-				  eskel_surface_mesh(surface, r->step, MOST_TRIANGLES, mesh, &error), &error);
+	const bool made =
+		r->fitted.bytes
+			? esk_problem_engine(&exchange->problem,
+				  eskel_surface_decode(r->fitted.bytes, r->fitted.size, &surface, &error), &error)
+			: esk_drawn_surface(exchange, &r->drawn, r->level, &surface);
+	const bool good = made && esk_problem_engine(&exchange->problem,
+					  eskel_surface_mesh(surface, r->step, MOST_TRIANGLES, mesh, &error), &error);
 	eskel_surface_free(surface);
 	return good;
 }
@@ -129,12 +145,13 @@ static bool make_file(eskel_exchange *exchange, const request *r, esk_text *file
 
 /* ---- answering it */
 
-/* How a mesh may be kept: by the client alone, for it is not everybody's, and for as long as it likes, for it never
- * changes. */
+/* How a mesh may be kept: by the client alone, for it is not everybody's, and for as long as it likes, for it never changes;
+ * but that of a fitted surface, which may be fitted anew, has to be asked about. */
 static bool add_headers(eskel_exchange *exchange, const request *r)
 {
 	return esk_exchange_add_header(exchange, "ETag", "%s", r->etag) &&
-	       esk_exchange_add_header(exchange, "Cache-Control", "private, max-age=31536000, immutable");
+	       esk_exchange_add_header(exchange, "Cache-Control", "%s",
+		       r->fitted.bytes ? "private, no-cache" : "private, max-age=31536000, immutable");
 }
 
 /* 206 or 200, and the part of the body. */
@@ -204,6 +221,7 @@ bool esk_mesh_get(eskel_exchange *exchange)
 {
 	request r = {0};
 	const bool good = read_request(exchange, &r) && answer(exchange, &r);
+	eskel_fitted_clear(&r.fitted);
 	esk_drawn_clear(&r.drawn);
 	return good;
 }

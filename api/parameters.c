@@ -194,6 +194,7 @@ static void set_unsaid(esk_parameters *query)
 	query->format = ESK_FORMAT_UNSAID;
 	query->plot = ESK_PLOT_UNSAID;
 	query->compose = ESK_COMPOSE_UNSAID;
+	query->primitive = ESK_PRIMITIVE_UNSAID;
 }
 
 /* NULL when memory ran out. */
@@ -242,6 +243,8 @@ static const char *const mesh_formats[] = {"glb", "stl", "ply", "obj", NULL};
 static const char *const frames[] = {"ras", "lps", NULL};
 static const char *const sources[] = {"skeleton", "voxels", NULL};
 static const char *const compositions[] = {"blend", "union", NULL};
+static const char *const primitives[] = {"ellipsoid", "superquadric", "deformed", NULL};
+static const char *const methods[] = {"joint", "tabu", "hopping", NULL};
 static const char *const plots[] = {"heatmap", "map", NULL};
 static const char *const everything[] = {"all", NULL};
 static const char *const answers[] = {"false", "true", NULL};
@@ -276,6 +279,7 @@ static const struct parameter parameters[] = {
 	{.name = "level", .take = take_number, FIELD(level), .most = ESKEL_LEVELS_MAX},
 	{.name = "levels", .take = take_number, FIELD(levels), .most = ESKEL_LEVELS_MAX},
 	{.name = "limit", .take = take_number, FIELD(limit), .most = INT32_MAX},
+	{.name = "method", .take = take_choice, FIELD(method), .choices = methods},
 	{.name = "metric", .take = take_choice, FIELD(metric), .choices = metrics},
 	{.name = "minimum", .take = take_number, FIELD(minimum), .most = INT32_MAX},
 	{.name = "mode", .take = take_choice, FIELD(mode), .choices = modes},
@@ -283,6 +287,7 @@ static const struct parameter parameters[] = {
 	{.name = "not.subject", .take = take_text, FIELD(not_subject)},
 	{.name = "order", .take = take_choice, FIELD(order), .choices = orders},
 	{.name = "plot", .take = take_choice, FIELD(plot), .choices = plots},
+	{.name = "primitive", .take = take_choice, FIELD(primitive), .choices = primitives},
 	{.name = "q", .take = take_text, FIELD(text)},
 	{.name = "scale", .take = take_choice, FIELD(scale), .choices = scales},
 	{.name = "sex", .take = take_sex, FIELD(sex)},

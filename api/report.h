@@ -18,6 +18,7 @@ bool esk_report_check(const json_t *answers, FILE *out, bool colour);
 bool esk_report_distances(const json_t *answers, FILE *out, bool colour);
 bool esk_report_evaluation(const json_t *answers, FILE *out, bool colour);
 bool esk_report_jobs(const json_t *answers, FILE *out, bool colour);
+bool esk_report_reconstruction(const json_t *answers, FILE *out, bool colour);
 
 /* Evaluations for other programs, and as a page. */
 bool esk_report_evaluation_csv(const json_t *answers, FILE *out);

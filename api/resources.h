@@ -18,6 +18,9 @@ bool esk_ellipsoids_get(eskel_exchange *exchange);  /* surface.c */
 bool esk_details_get(eskel_exchange *exchange);
 bool esk_mesh_check(eskel_exchange *exchange); /* mesh.c */
 bool esk_mesh_get(eskel_exchange *exchange);
+bool esk_reconstruction_check(eskel_exchange *exchange); /* reconstruct.c */
+bool esk_reconstruction_get(eskel_exchange *exchange);
+bool esk_reconstruction_post(eskel_exchange *exchange);
 bool esk_recognize_check(eskel_exchange *exchange); /* recognize.c */
 bool esk_recognize_shape(eskel_exchange *exchange);
 bool esk_recognize_volume(eskel_exchange *exchange);

@@ -18,8 +18,10 @@ static const char *const enroll[] = {
 	VOLUME, "class", "side", "subject", "age", "sex", "attr.KEY", "levels", "as_said", NULL};
 static const char *const signature[] = {"level", "format/signature", NULL};
 static const char *const volume[] = {"format/volume", NULL};
-static const char *const mesh[] = {"level", "step", "compose", "format/mesh", "frame", "source", NULL};
+static const char *const mesh[] = {"level", "step", "primitive", "compose", "format/mesh", "frame", "source", NULL};
 static const char *const ellipsoids[] = {"level", "compose", NULL};
+static const char *const reconstruction[] = {"level", "primitive", NULL};
+static const char *const reconstruct[] = {"level", "primitive", "method", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {VOLUME, SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
@@ -58,6 +60,10 @@ static const esk_route routes[] = {
 	{"/shapes/{id}/ellipsoids", "GET", READ, ESK_BODY_NONE, false, ellipsoids, NULL, esk_ellipsoids_get},
 	{"/shapes/{id}/levels-of-detail", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_details_get},
 	{"/shapes/{id}/mesh", "GET", READ, ESK_BODY_NONE, true, mesh, esk_mesh_check, esk_mesh_get},
+	{"/shapes/{id}/reconstruction", "GET", READ, ESK_BODY_NONE, false, reconstruction, esk_reconstruction_check,
+		esk_reconstruction_get},
+	{"/shapes/{id}/reconstruction", "POST", WRITE, ESK_BODY_NONE, true, reconstruct, esk_reconstruction_check,
+		esk_reconstruction_post},
 	{"/shapes/{id}/signature", "GET", READ, ESK_BODY_NONE, false, signature, NULL, esk_signature_get},
 	{"/shapes/{id}/skeleton", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_skeleton_get},
 	{"/shapes/{id}/volume", "GET", READ, ESK_BODY_NONE, true, volume, NULL, esk_volume_get},

@@ -37,6 +37,21 @@ bool esk_drawn_surface(eskel_exchange *exchange, const esk_drawn *drawn, uint32_
 		&exchange->problem, eskel_surface_new(drawn->skeleton, level, &options, surface), NULL);
 }
 
+bool esk_drawn_fitted(eskel_exchange *exchange, const esk_drawn *drawn, uint32_t level, eskel_fitted *fitted)
+{
+	eskel_store_error error = {0};
+	const char *primitive = esk_parameters_choice(&exchange->query, "primitive");
+	const eskel_store_status status =
+		eskel_store_surface(exchange->api->store, drawn->shape.key, level, primitive, fitted, &error);
+	if (status != ESKEL_STORE_NOT_FOUND)
+		return esk_problem_store(&exchange->problem, status, &error);
+	return esk_problem_set(&exchange->problem, 404,
+		"no surface of the primitive %s was fitted to level %u of shape %s, expected a POST to its "
+		"reconstruction "
+		"before",
+		primitive, level, exchange->id);
+}
+
 /* ---- ellipsoids */
 
 static json_t *ellipsoid_json(const eskel_primitive *p)

@@ -18,7 +18,8 @@ typedef enum {
 	ESKEL_REPORT_DISTANCES,         /* GET /distances */
 	ESKEL_REPORT_EVALUATION,        /* GET /evaluation */
 	ESKEL_REPORT_JOBS,              /* GET /jobs */
-	ESKEL_REPORT_JOB                /* GET /jobs/{id} */
+	ESKEL_REPORT_JOB,               /* GET /jobs/{id} */
+	ESKEL_REPORT_RECONSTRUCTION     /* GET /shapes/{id}/reconstruction */
 } eskel_report_kind;
 
 typedef struct eskel_report eskel_report;
@@ -53,6 +54,9 @@ typedef struct {
 
 /* False, and the job untouched, when the bytes are not the API's job. */
 ESKEL_API bool eskel_report_job_read(const char *json, size_t size, eskel_report_job *job);
+
+/* Where the job is that was begun. free() it; NULL when the bytes do not say or memory ran out. */
+ESKEL_API char *eskel_report_url(const char *json, size_t size);
 
 /* The detail, or else the title, of a problem+json body (RFC 9457), as one line. free() it; NULL when the bytes are no
  * such body or memory ran out. */

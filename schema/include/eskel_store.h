@@ -215,6 +215,26 @@ ESKEL_API eskel_store_status eskel_store_tokens(eskel_store *store, eskel_token 
 ESKEL_API eskel_store_status eskel_store_token_verify(eskel_store *store, const char *text, int64_t now,
 	eskel_token *token, eskel_store_error *error);
 
+/* ---------------------------------------------------------------------------------------------- surfaces */
+
+/* A surface fitted to a shape's level with one kind of primitive. */
+typedef struct {
+	uint32_t level;
+	const char *primitive;           /* the caller's */
+	char *summary;                   /* of the fit, in the words of the API */
+	uint8_t *bytes;                  /* of eskel_surface_encode */
+	size_t size;
+	char sha256[ESKEL_SHA256_SIZE];  /* of the bytes, when it was read */
+} eskel_fitted;
+
+ESKEL_API void eskel_fitted_clear(eskel_fitted *fitted);
+/* Stores it in the place of the last; it goes with its shape. NOT_FOUND when that is gone. */
+ESKEL_API eskel_store_status eskel_store_surface_put(eskel_store *store, int64_t key, const eskel_fitted *fitted,
+	eskel_store_error *error);
+/* NOT_FOUND when none was fitted, CORRUPT when it is damaged. */
+ESKEL_API eskel_store_status eskel_store_surface(eskel_store *store, int64_t key, uint32_t level,
+	const char *primitive, eskel_fitted *fitted, eskel_store_error *error);
+
 /* ---------------------------------------------------------------------------------------------- jobs */
 
 typedef enum { ESKEL_JOB_QUEUED, ESKEL_JOB_DONE, ESKEL_JOB_FAILED } eskel_job_state;

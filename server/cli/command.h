@@ -12,6 +12,7 @@ esk_outcome esk_command_evaluate(esk_session *session);
 esk_outcome esk_command_jobs(esk_session *session);
 esk_outcome esk_command_job(esk_session *session);
 esk_outcome esk_command_mesh(esk_session *session);
+esk_outcome esk_command_reconstruct(esk_session *session);
 esk_outcome esk_command_show(esk_session *session);
 esk_outcome esk_command_export(esk_session *session);
 esk_outcome esk_command_import(esk_session *session);

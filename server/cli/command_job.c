@@ -1,9 +1,9 @@
 /* eskel jobs: a row a job. eskel job: waits for one to end, with a bar from the server's events. Who interrupts that leaves
  * the job alone, for jobs are what nobody has to wait for; --cancel is what ends one. */
 #include "command.h"
+#include "watch_job.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 esk_outcome esk_command_jobs(esk_session *session)
 {
@@ -14,36 +14,6 @@ esk_outcome esk_command_jobs(esk_session *session)
 		return outcome;
 	const esk_request request = {.path = "/jobs", .query = ""};
 	return esk_session_ask(session, &request, "jobs");
-}
-
-typedef struct {
-	esk_progress *progress;
-	eskel_report_job job; /* as the last event told it */
-} watcher;
-
-static void take_line(void *context, const char *line)
-{
-	static const char data[] = "data: ";
-	watcher *w = context;
-	if (!strncmp(line, data, strlen(data)) &&
-		eskel_report_job_read(line + strlen(data), strlen(line + strlen(data)), &w->job))
-		esk_progress_worked(w->progress, w->job.progress, w->job.seconds);
-}
-
-/* A stream may end before its job; one of a job that is gone is refused. */
-static esk_outcome watch(esk_session *session, const char *path, const char *id, eskel_report_job *job)
-{
-	watcher w = {.progress = &session->progress};
-	esk_outcome outcome = ESK_DONE;
-	char *events = NULL;
-	if (asprintf(&events, "%s/events", path) < 0)
-		return esk_complain(ESK_REFUSED, "memory ran out");
-	const esk_request request = {.path = events, .query = ""};
-	while (!outcome && !w.job.ended)
-		outcome = esk_session_listen(session, &request, id, take_line, &w);
-	*job = w.job;
-	free(events);
-	return outcome;
 }
 
 static esk_outcome cancel(esk_session *session, const char *path, const char *id)
@@ -70,7 +40,7 @@ static esk_outcome wait_for(esk_session *session, const char *path, const char *
 {
 	eskel_report_job job = {0};
 	const char *output = esk_arguments_value(session->arguments, "output");
-	esk_outcome outcome = watch(session, path, id, &job);
+	esk_outcome outcome = esk_watch_job(session, path, id, &job);
 	if (!outcome && job.failed) /* its result is the refusal */
 		return download(session, path, id, NULL);
 	if (!outcome && output)

@@ -167,6 +167,18 @@ class Commands(Served):
         self.assert_run(self.eskel("mesh", self.ids["ball"], "--step", "0"), 1, "expected millimetres")
         self.assert_run(self.eskel("mesh", "0" * 32), 1, "there is no shape")
 
+    def test_a_surface_is_fitted_and_drawn(self):
+        run = self.eskel("reconstruct", self.ids["hook_left"], "--level", 3)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        error = {row["error"]: row for row in self.rows(run)}["boundary to surface, mean, mm"]
+        self.assertLess(float(error["after"]), float(error["before"]))
+        self.assertRegex(run.stdout, r"\nlevel 3, 3 primitives, deformed, fitted by joint\n\d+ bytes: the voxels have \d+ times")
+        path = self.path("fitted.stl")
+        self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 3, "--primitive", "deformed", "--output", path), 0)
+        self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 4, "--primitive", "deformed"), 1, "was fitted")
+        self.assert_run(self.eskel("reconstruct", self.ids["hook_left"], "--primitive", "cube"), 1, "cube")
+        self.assert_run(self.eskel("reconstruct", "0" * 32), 1, "there is no shape")
+
     def test_a_matrix_as_a_job_is_waited_for_and_is_what_it_would_be_at_once(self):
         row, = self.rows(self.eskel("distances", "--class", "hook", "--format", "csv", "--job"))
         self.assertEqual((row["path"], len(row["id"])), ("/distances", 32))

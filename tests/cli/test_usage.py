@@ -4,7 +4,7 @@ import unittest
 
 from support import NOWHERE, Folder, ball, eskel, hook, side_by_side, write_nifti
 
-COMMANDS = ("enroll", "recognize", "distances", "evaluate", "mesh", "jobs", "job", "show", "skeleton")
+COMMANDS = ("enroll", "recognize", "distances", "evaluate", "mesh", "reconstruct", "jobs", "job", "show", "skeleton")
 
 
 class Usage(Folder):

@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 typedef struct {
 	api_fixture *f;
@@ -261,11 +262,14 @@ static void what_cannot_be_drawn_is_refused(void **state)
 		{"?step=1e3", 400, "step"},
 		{"?step=1000001", 400, "step"},
 		{"?format=json", 400, "expected glb, stl, ply or obj"},
+		{"?primitive=deformed", 404, "no surface of the primitive deformed was fitted to level 16"},
+		{"?primitive=deformed&compose=blend", 400, "it is fitted as a blend"},
+		{"?source=voxels&primitive=ellipsoid", 400, "beside source=voxels"},
 		{"?frame=xyz", 400, "expected ras or lps"},
 		{"?compose=sum", 400, "expected blend or union"},
 		{"?source=voxels&step=1", 400, "beside source=voxels"},
 		{"?source=voxels&compose=blend", 400, "beside source=voxels"},
-		{"?format/mesh=glb", 400, "expected level, step, compose, format, frame, source"},
+		{"?format/mesh=glb", 400, "expected level, step, primitive, compose, format, frame, source"},
 		{"?step=0.001", 413, "triangles"},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -279,6 +283,129 @@ static void what_cannot_be_drawn_is_refused(void **state)
 	answer_free(&unknown);
 }
 
+/* ---- reconstructions */
+
+static answer post_reconstruction(const shape *s, const char *query)
+{
+	char target[200];
+	snprintf(target, sizeof target, "/shapes/%s/reconstruction%s", s->id, query);
+	return ask(s->f->api, &(question){.method = "POST", .target = target});
+}
+
+/* Waits for the job to end; its state. */
+static answer wait_for(eskel_api *api, const char *url)
+{
+	for (;;) {
+		answer a = get(api, "%s", url);
+		assert_status(&a, 200);
+		if (strcmp(text_at(&a, "state"), "done") == 0 || strcmp(text_at(&a, "state"), "failed") == 0)
+			return a;
+		answer_free(&a);
+		nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+	}
+}
+
+static void reconstruct(const shape *s, const char *query)
+{
+	answer begun = post_reconstruction(s, query);
+	assert_status(&begun, 202);
+	assert_string_equal(begun.location, text_at(&begun, "url"));
+	answer ended = wait_for(s->f->api, begun.location);
+	assert_string_equal(text_at(&ended, "state"), "done");
+	answer_free(&begun);
+	answer_free(&ended);
+}
+
+static void a_fit_is_a_job_and_is_stored(void **state)
+{
+	const shape s = enroll(state);
+	answer none = get(s.f->api, "/shapes/%s/reconstruction?level=2", s.id);
+	assert_says(&none, 404, "expected a POST to its reconstruction before");
+	answer plain = get_mesh(&s, "?level=2&step=1");
+	reconstruct(&s, "?level=2");
+	answer fitted = get(s.f->api, "/shapes/%s/reconstruction?level=2", s.id);
+	assert_status(&fitted, 200);
+	assert_string_equal(text_at(&fitted, "method"), "joint");
+	assert_string_equal(text_at(&fitted, "primitive"), "deformed");
+	assert_int_equal(json_array_size(at(&fitted, "primitives")), 2);
+	assert_int_equal(json_array_size(at(&fitted, "primitives.1.modes")), ESKEL_MODE_COUNT);
+	assert_true(number_at(&fitted, "after.mean_error_mm") < number_at(&fitted, "before.mean_error_mm"));
+	assert_true(number_at(&fitted, "bytes.volume_ratio") > 0.5);
+	answer jobs = get(s.f->api, "/jobs"), result = get(s.f->api, "%s/result", text_at(&jobs, "jobs.0.url"));
+	assert_true(json_equal(result.json, fitted.json));
+	answer mesh = get_mesh(&s, "?level=2&step=1&primitive=deformed");
+	assert_status(&mesh, 200);
+	assert_string_equal(mesh.caching, "private, no-cache");
+	assert_string_not_equal(mesh.etag, plain.etag);
+	answer known = get_with(
+		&s, "?level=2&step=1&primitive=deformed", (eskel_field){"If-None-Match", mesh.etag}, (eskel_field){0});
+	assert_status(&known, 304);
+	api_reopen(s.f);
+	answer later = get(s.f->api, "/shapes/%s/reconstruction?level=2", s.id);
+	assert_true(json_equal(later.json, fitted.json));
+	answer_free(&none);
+	answer_free(&plain);
+	answer_free(&fitted);
+	answer_free(&jobs);
+	answer_free(&result);
+	answer_free(&mesh);
+	answer_free(&known);
+	answer_free(&later);
+}
+
+static void another_fit_takes_the_place_of_the_last_and_goes_with_the_shape(void **state)
+{
+	const shape s = enroll(state);
+	char target[64];
+	reconstruct(&s, "?level=1&primitive=superquadric");
+	answer first = get(s.f->api, "/shapes/%s/reconstruction?level=1&primitive=superquadric", s.id);
+	answer drawn = get_mesh(&s, "?level=1&primitive=superquadric");
+	reconstruct(&s, "?level=1&primitive=superquadric&method=tabu");
+	answer second = get(s.f->api, "/shapes/%s/reconstruction?level=1&primitive=superquadric", s.id);
+	assert_string_equal(text_at(&second, "method"), "tabu");
+	answer redrawn = get_with(
+		&s, "?level=1&primitive=superquadric", (eskel_field){"If-None-Match", drawn.etag}, (eskel_field){0});
+	assert_status(&redrawn, 200);
+	snprintf(target, sizeof target, "/shapes/%s", s.id);
+	answer gone = ask(s.f->api, &(question){.method = "DELETE", .target = target});
+	assert_status(&gone, 204);
+	char again[ESKEL_ID_SIZE];
+	enroll_blob(s.f->api, 3, 0, 0, "name=blob", again);
+	answer none = get(s.f->api, "/shapes/%s/reconstruction?level=1&primitive=superquadric", again);
+	assert_status(&none, 404);
+	answer_free(&first);
+	answer_free(&drawn);
+	answer_free(&second);
+	answer_free(&redrawn);
+	answer_free(&gone);
+	answer_free(&none);
+}
+
+static void what_cannot_be_fitted_is_refused(void **state)
+{
+	const shape s = enroll(state);
+	char target[100];
+	answer ellipsoid = post_reconstruction(&s, "?primitive=ellipsoid"), deep = post_reconstruction(&s, "?level=17");
+	assert_says(&ellipsoid, 400, "expected superquadric or deformed");
+	assert_says(&deep, 400, "level is 17, expected 1 to 16");
+	snprintf(target, sizeof target, "/shapes/%s/reconstruction", s.id);
+	answer reader = ask(s.f->api, &(question){.method = "POST", .target = target, .role = ESKEL_ROLE_READ});
+	assert_status(&reader, 403);
+	/* the shape goes while its job waits */
+	answer first = post_reconstruction(&s, "?level=12"), second = post_reconstruction(&s, "?level=2");
+	snprintf(target, sizeof target, "/shapes/%s", s.id);
+	answer gone = ask(s.f->api, &(question){.method = "DELETE", .target = target});
+	answer failed = wait_for(s.f->api, second.location);
+	assert_string_equal(text_at(&failed, "state"), "failed");
+	answer_free(&ellipsoid);
+	answer_free(&deep);
+	answer_free(&reader);
+	answer_free(&first);
+	answer_free(&second);
+	answer_free(&gone);
+	answer_free(&failed);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -290,6 +417,9 @@ int main(void)
 		api_test(ellipsoids_are_those_of_the_skeleton),
 		api_test(levels_of_detail_are_staircases),
 		api_test(what_cannot_be_drawn_is_refused),
+		api_test(a_fit_is_a_job_and_is_stored),
+		api_test(another_fit_takes_the_place_of_the_last_and_goes_with_the_shape),
+		api_test(what_cannot_be_fitted_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,6 +30,7 @@ static void every_path_answers_options_with_its_methods(void **state)
 		{"/shapes/" ID "/ellipsoids", "GET, HEAD, OPTIONS"},
 		{"/shapes/" ID "/levels-of-detail", "GET, HEAD, OPTIONS"},
 		{"/shapes/" ID "/mesh", "GET, HEAD, OPTIONS"},
+		{"/shapes/" ID "/reconstruction", "GET, HEAD, POST, OPTIONS"},
 		{"/jobs", "GET, HEAD, OPTIONS"},
 		{"/jobs/" ID, "GET, HEAD, DELETE, OPTIONS"},
 		{"/jobs/" ID "/events", "GET, HEAD, OPTIONS"},
