@@ -1,6 +1,7 @@
 /* Opening and closing: the store, and the library filled from it. */
 #include "api.h"
 
+#include "cache.h"
 #include "calibration.h"
 #include "job.h"
 #include "pruning.h"
@@ -15,6 +16,8 @@
 #define MOST_LABELS 1024
 #define MOST_DISTANCES 4000000
 #define MOST_KNOWN_BYTES ((uint64_t)2 << 30)
+#define MOST_RESULT_BYTES ((uint64_t)16 << 30)
+#define MOST_MESH_BYTES ((uint64_t)1 << 30)
 
 /* Signatures between two calls of loading: a progress bar needs no more, and a call may draw one. */
 #define LOADING_STEP 4096
@@ -138,6 +141,10 @@ static void set_defaults(eskel_api_options *options)
 		options->most_distances = MOST_DISTANCES;
 	if (options->most_known_bytes == 0)
 		options->most_known_bytes = MOST_KNOWN_BYTES;
+	if (options->most_result_bytes == 0)
+		options->most_result_bytes = MOST_RESULT_BYTES;
+	if (options->most_mesh_bytes == 0)
+		options->most_mesh_bytes = MOST_MESH_BYTES;
 }
 
 /* A deletion that waits goes before enrollments that come later, or it might wait for ever. */
@@ -169,14 +176,22 @@ eskel_store_status eskel_api_open(
 	if (status == ESKEL_STORE_OK) {
 		opened->calibration = esk_calibration_new(opened);
 		opened->pruning = esk_pruning_new(opened);
-		opened->jobs = esk_jobs_new(opened);
+		if (!opened->known || !opened->calibration || !opened->pruning)
+			status = ESKEL_STORE_NO_MEMORY;
 	}
-	if (status == ESKEL_STORE_OK && !(opened->known && opened->calibration && opened->pruning && opened->jobs))
-		status = refuse(error, ESKEL_STORE_NO_MEMORY, "memory ran out");
 	if (status == ESKEL_STORE_OK)
-		*api = opened;
-	else
+		status = esk_jobs_new(opened, &opened->jobs, error);
+	if (status == ESKEL_STORE_OK)
+		status = esk_cache_open(
+			opened->store, "meshes", opened->options.most_mesh_bytes, &opened->meshes, error);
+	if (status == ESKEL_STORE_NO_MEMORY)
+		refuse(error, status, "memory ran out");
+	if (status != ESKEL_STORE_OK) {
 		eskel_api_close(opened);
+		return status;
+	}
+	esk_jobs_begin(opened->jobs);
+	*api = opened;
 	return status;
 }
 
@@ -185,6 +200,7 @@ void eskel_api_close(eskel_api *api)
 	if (!api)
 		return;
 	esk_jobs_free(api->jobs);
+	esk_cache_close(api->meshes);
 	esk_pruning_free(api->pruning);
 	esk_calibration_free(api->calibration);
 	esk_known_free(api->known);

@@ -21,6 +21,7 @@ struct eskel_api {
 	struct esk_calibration *calibration;
 	struct esk_pruning *pruning;
 	struct esk_jobs *jobs;
+	struct esk_cache *meshes;
 	pthread_rwlock_t changing;
 	eskel_api_options options;
 };

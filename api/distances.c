@@ -200,7 +200,7 @@ static bool answer_whole(eskel_exchange *exchange, source *s)
 /* Takes the source. */
 static bool answer_streamed(eskel_exchange *exchange, source *s)
 {
-	const esk_stream stream = {next, free_source, progress, s};
+	const esk_stream stream = {.next = next, .free = free_source, .progress = progress, .source = s};
 	size_t size = ESKEL_SIZE_UNKNOWN;
 	if (s->format->cell_size > 0) {
 		esk_text head = {0};

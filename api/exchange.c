@@ -49,6 +49,7 @@ bool esk_exchange_answer_stream(
 	exchange->response.content_type = content_type;
 	exchange->response.size = size;
 	exchange->response.streamed = true;
+	exchange->response.live = stream->ended != NULL;
 	return esk_exchange_answer_nothing(exchange, status);
 }
 
@@ -60,6 +61,12 @@ bool eskel_exchange_next(eskel_exchange *exchange, const void **bytes, size_t *s
 	*bytes = exchange->piece.bytes;
 	*size = exchange->piece.size;
 	return true;
+}
+
+bool eskel_exchange_ended(const eskel_exchange *exchange)
+{
+	const esk_stream *stream = &exchange->stream;
+	return exchange->piece.size == 0 && (!stream->ended || stream->ended(stream->source));
 }
 
 bool esk_exchange_add_header(eskel_exchange *exchange, const char *name, const char *format, ...)

@@ -17,6 +17,7 @@
 typedef struct {
 	bool (*next)(
 		void *source, esk_text *piece); /* appends the next piece, nothing at the end; false: memory ran out */
+	bool (*ended)(const void *source); /* whether nothing is the end; NULL: it always is (eskel_response.live) */
 	void (*free)(void *source);
 	double (*progress)(const void *source); /* the share that is there, 0 to 1; NULL: not known */
 	void *source;
@@ -36,6 +37,10 @@ struct eskel_exchange {
 	uint64_t body_size;   /* received */
 	eskel_intake *intake; /* of ESK_BODY_VOLUME */
 	esk_text json;        /* of ESK_BODY_JSON */
+
+	/* Of a job: told the share that is done, false when nobody wants the rest. NULL: somebody waits. */
+	bool (*progress)(void *context, double share);
+	void *progress_context;
 
 	bool settled;
 	eskel_response response;

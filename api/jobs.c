@@ -1,30 +1,16 @@
 /* POST /distances, /jobs, /jobs/{id} and /jobs/{id}/result. */
-#include "job.h"
+#include "file_body.h"
+#include "job_json.h"
 #include "resources.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-static json_t *job_json(const esk_job *job)
-{
-	static const char *const states[] = {"queued", "running", "done", "failed"};
-	char url[64], result[80];
-	snprintf(url, sizeof url, "/jobs/%s", job->id);
-	snprintf(result, sizeof result, "%s/result", url);
-	return json_pack("{s:s, s:s, s:s, s:f, s:o, s:I, s:s?, s:s?, s:s?}", "id", job->id, "url", url, "state",
-		states[job->state], "progress", job->progress, "seconds",
-		esk_json_real(round(1e3 * job->seconds) / 1e3), "size", (json_int_t)job->size, "content_type",
-		job->state == ESK_JOB_DONE ? job->content_type : NULL, "result",
-		job->state == ESK_JOB_DONE ? result : NULL, "problem", job->problem[0] ? job->problem : NULL);
-}
 
 bool esk_distances_post(eskel_exchange *exchange)
 {
 	esk_job job;
-	return esk_jobs_add(exchange->api->jobs, exchange, "/distances", &job) &&
+	return esk_jobs_add(exchange->api->jobs, exchange, "GET", "/distances", &job) &&
 	       esk_exchange_add_header(exchange, "Location", "/jobs/%s", job.id) &&
-	       esk_exchange_answer_json(exchange, 202, job_json(&job));
+	       esk_exchange_answer_json(exchange, 202, esk_job_json(&job));
 }
 
 bool esk_jobs_get(eskel_exchange *exchange)
@@ -33,7 +19,7 @@ bool esk_jobs_get(eskel_exchange *exchange)
 	const size_t count = esk_jobs_list(exchange->api->jobs, list);
 	json_t *array = json_array();
 	for (size_t i = 0; i < count; i++)
-		if (json_array_append_new(array, job_json(&list[i])) != 0) {
+		if (json_array_append_new(array, esk_job_json(&list[i])) != 0) {
 			json_decref(array);
 			return esk_problem_no_memory(&exchange->problem);
 		}
@@ -43,68 +29,36 @@ bool esk_jobs_get(eskel_exchange *exchange)
 static bool find(eskel_exchange *exchange, esk_job *job)
 {
 	return esk_jobs_find(exchange->api->jobs, exchange->id, job) ||
-	       esk_problem_set(&exchange->problem, 404, "there is no job %s", exchange->id);
+	       esk_problem_no_job(&exchange->problem, exchange->id);
 }
 
 bool esk_job_get(eskel_exchange *exchange)
 {
 	esk_job job;
-	return find(exchange, &job) && esk_exchange_answer_json(exchange, 200, job_json(&job));
+	return find(exchange, &job) && esk_exchange_answer_json(exchange, 200, esk_job_json(&job));
 }
 
 bool esk_job_delete(eskel_exchange *exchange)
 {
-	return (esk_jobs_remove(exchange->api->jobs, exchange->id) ||
-		       esk_problem_set(&exchange->problem, 404, "there is no job %s", exchange->id)) &&
+	return esk_jobs_remove(exchange->api->jobs, exchange->id, &exchange->problem) &&
 	       esk_exchange_answer_nothing(exchange, 204);
 }
 
-/* ---- the result */
-
-enum { PIECE = 1 << 16 };
-
-typedef struct {
-	int file;
-	off_t offset;
-	char bytes[PIECE];
-} reader;
-
-static bool read_piece(void *context, esk_text *piece)
+static bool check_done(eskel_exchange *exchange, const esk_job *job)
 {
-	reader *r = context;
-	const ssize_t size = pread(r->file, r->bytes, sizeof r->bytes, r->offset);
-	if (size > 0)
-		esk_text_append(piece, r->bytes, (size_t)size);
-	r->offset += size;
-	return size >= 0;
-}
-
-static void free_reader(void *context)
-{
-	reader *r = context;
-	close(r->file);
-	free(r);
+	if (job->state == ESK_JOB_FAILED)
+		return esk_problem_set(&exchange->problem, job->status, "%s", job->problem);
+	return job->state == ESK_JOB_DONE ||
+	       esk_problem_set(&exchange->problem, 409,
+		       "the job is %.0f %% done, expected a job that is done: ask for its state until then",
+		       floor(100 * job->progress));
 }
 
 bool esk_job_get_result(eskel_exchange *exchange)
 {
 	esk_job job;
-	if (!find(exchange, &job))
-		return false;
-	if (job.state == ESK_JOB_FAILED)
-		return esk_problem_set(&exchange->problem, job.status, "%s", job.problem);
-	if (job.state != ESK_JOB_DONE)
-		return esk_problem_set(&exchange->problem, 409,
-			"the job is %.0f %% done, expected a job that is done: ask for its state until then",
-			floor(100 * job.progress));
-	reader *r = calloc(1, sizeof *r);
-	if (!r)
-		return esk_problem_no_memory(&exchange->problem);
-	r->file = esk_jobs_open(exchange->api->jobs, job.id);
-	if (r->file < 0) {
-		free(r);
-		return esk_problem_set(&exchange->problem, 503, "the job's file cannot be opened; try again later");
-	}
-	const esk_stream stream = {.next = read_piece, .free = free_reader, .source = r};
-	return esk_exchange_answer_stream(exchange, 200, job.content_type, job.size, &stream);
+	int descriptor;
+	return find(exchange, &job) && check_done(exchange, &job) &&
+	       esk_jobs_result(exchange->api->jobs, job.id, &descriptor, &exchange->problem) &&
+	       esk_exchange_answer_file(exchange, 200, job.content_type, descriptor, 0, job.size);
 }

@@ -193,6 +193,8 @@ static void set_unsaid(esk_parameters *query)
 	query->age = query->age_min = query->age_max = NAN;
 	query->format = ESK_FORMAT_UNSAID;
 	query->plot = ESK_PLOT_UNSAID;
+	query->compose = ESK_COMPOSE_UNSAID;
+	query->primitive = ESK_PRIMITIVE_UNSAID;
 }
 
 /* NULL when memory ran out. */
@@ -237,6 +239,12 @@ static const char *const left_out[] = {"shape", "subject", NULL};
 static const char *const formats[] = {"json", "csv", "npy", "svg", NULL};
 static const char *const volume_formats[] = {"nifti", "nrrd", NULL};
 static const char *const signature_formats[] = {"json", "csv", NULL};
+static const char *const mesh_formats[] = {"glb", "stl", "ply", "obj", NULL};
+static const char *const frames[] = {"ras", "lps", NULL};
+static const char *const sources[] = {"skeleton", "voxels", NULL};
+static const char *const compositions[] = {"blend", "union", NULL};
+static const char *const primitives[] = {"ellipsoid", "superquadric", "deformed", NULL};
+static const char *const methods[] = {"joint", "tabu", "hopping", NULL};
 static const char *const plots[] = {"heatmap", "map", NULL};
 static const char *const everything[] = {"all", NULL};
 static const char *const answers[] = {"false", "true", NULL};
@@ -252,12 +260,15 @@ static const struct parameter parameters[] = {
 	{.name = "attr.KEY", .take = take_attribute},
 	{.name = "class", .take = take_class, FIELD(class)},
 	{.name = "columns", .take = take_columns, .choices = everything},
+	{.name = "compose", .take = take_choice, FIELD(compose), .choices = compositions},
 	{.name = "cursor", .take = take_cursor, FIELD(cursor)},
 	{.name = "distance", .take = take_choice, FIELD(distance), .choices = distances},
 	{.name = "explain", .take = take_choice, FIELD(explain), .choices = answers},
 	{.name = "format", .take = take_choice, FIELD(format), .choices = formats},
 	{.name = "format/signature", .take = take_choice, FIELD(format), .choices = signature_formats},
 	{.name = "format/volume", .take = take_choice, FIELD(volume_format), .choices = volume_formats},
+	{.name = "format/mesh", .take = take_choice, FIELD(mesh_format), .choices = mesh_formats},
+	{.name = "frame", .take = take_choice, FIELD(frame), .choices = frames},
 	{.name = "id", .take = take_ids},
 	{.name = "keep", .take = take_share, FIELD(keep)},
 	{.name = "label", .take = take_label, .repeatable = true},
@@ -268,6 +279,7 @@ static const struct parameter parameters[] = {
 	{.name = "level", .take = take_number, FIELD(level), .most = ESKEL_LEVELS_MAX},
 	{.name = "levels", .take = take_number, FIELD(levels), .most = ESKEL_LEVELS_MAX},
 	{.name = "limit", .take = take_number, FIELD(limit), .most = INT32_MAX},
+	{.name = "method", .take = take_choice, FIELD(method), .choices = methods},
 	{.name = "metric", .take = take_choice, FIELD(metric), .choices = metrics},
 	{.name = "minimum", .take = take_number, FIELD(minimum), .most = INT32_MAX},
 	{.name = "mode", .take = take_choice, FIELD(mode), .choices = modes},
@@ -275,6 +287,7 @@ static const struct parameter parameters[] = {
 	{.name = "not.subject", .take = take_text, FIELD(not_subject)},
 	{.name = "order", .take = take_choice, FIELD(order), .choices = orders},
 	{.name = "plot", .take = take_choice, FIELD(plot), .choices = plots},
+	{.name = "primitive", .take = take_choice, FIELD(primitive), .choices = primitives},
 	{.name = "q", .take = take_text, FIELD(text)},
 	{.name = "scale", .take = take_choice, FIELD(scale), .choices = scales},
 	{.name = "sex", .take = take_sex, FIELD(sex)},
@@ -283,6 +296,8 @@ static const struct parameter parameters[] = {
 	{.name = "signature", .take = take_choice, FIELD(signature), .choices = signatures},
 	{.name = "size", .take = take_choice, FIELD(size), .choices = sizes},
 	{.name = "spacing", .take = take_spacing, FIELD(spacing)},
+	{.name = "source", .take = take_choice, FIELD(source), .choices = sources},
+	{.name = "step", .take = take_spacing, FIELD(step)},
 	{.name = "subject", .take = take_text, FIELD(subject)},
 	{.name = "weights", .take = take_choice, FIELD(weights), .choices = answers},
 };

@@ -59,6 +59,7 @@ static const struct {
 	{413, "Content Too Large"},
 	{414, "URI Too Long"},
 	{415, "Unsupported Media Type"},
+	{416, "Range Not Satisfiable"},
 	{421, "Misdirected Request"},
 	{422, "Unprocessable Content"},
 	{429, "Too Many Requests"},
@@ -96,6 +97,11 @@ bool esk_problem_no_memory(esk_problem *problem)
 bool esk_problem_no_shape(esk_problem *problem, const char *id)
 {
 	return esk_problem_set(problem, 404, "there is no shape %s", id);
+}
+
+bool esk_problem_no_job(esk_problem *problem, const char *id)
+{
+	return esk_problem_set(problem, 404, "there is no job %s", id);
 }
 
 bool esk_problem_engine(esk_problem *problem, eskel_status status, const eskel_error *error)

@@ -14,6 +14,7 @@ typedef struct {
 bool esk_problem_set(esk_problem *problem, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 bool esk_problem_no_memory(esk_problem *problem);
 bool esk_problem_no_shape(esk_problem *problem, const char *id);
+bool esk_problem_no_job(esk_problem *problem, const char *id);
 
 /* False unless status is OK. error->text is used if it says anything. */
 bool esk_problem_engine(esk_problem *problem, eskel_status status, const eskel_error *error);

@@ -24,6 +24,9 @@ static const layout layouts[] = {
 	[ESKEL_REPORT_RECOGNITION] = {"results", JSON_ARRAY, esk_report_recognition},
 	[ESKEL_REPORT_EVALUATION] = {"measures", JSON_OBJECT, esk_report_evaluation},
 	[ESKEL_REPORT_CHECK] = {"labels", JSON_ARRAY, esk_report_check},
+	[ESKEL_REPORT_RECONSTRUCTION] = {"primitives", JSON_ARRAY, esk_report_reconstruction},
+	[ESKEL_REPORT_JOBS] = {"jobs", JSON_ARRAY, esk_report_jobs},
+	[ESKEL_REPORT_JOB] = {"state", JSON_STRING, esk_report_jobs},
 	[ESKEL_REPORT_DISTANCES] = {"distances", JSON_ARRAY, esk_report_distances},
 };
 
@@ -178,6 +181,15 @@ size_t eskel_report_findings(const eskel_report *report)
 			 json_integer_value(json_object_get(findings, "warning"));
 	}
 	return (size_t)count;
+}
+
+char *eskel_report_url(const char *json, size_t size)
+{
+	json_t *answer = json_loadb(json, size, 0, NULL);
+	const char *url = json_string_value(json_object_get(answer, "url"));
+	char *text = url && url[0] == '/' ? esk_table_plain(url) : NULL;
+	json_decref(answer);
+	return text;
 }
 
 char *eskel_report_problem(const char *json, size_t size)

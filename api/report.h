@@ -17,6 +17,8 @@ bool esk_report_recognition(const json_t *answers, FILE *out, bool colour);
 bool esk_report_check(const json_t *answers, FILE *out, bool colour);
 bool esk_report_distances(const json_t *answers, FILE *out, bool colour);
 bool esk_report_evaluation(const json_t *answers, FILE *out, bool colour);
+bool esk_report_jobs(const json_t *answers, FILE *out, bool colour);
+bool esk_report_reconstruction(const json_t *answers, FILE *out, bool colour);
 
 /* Evaluations for other programs, and as a page. */
 bool esk_report_evaluation_csv(const json_t *answers, FILE *out);

@@ -14,6 +14,13 @@ bool esk_shape_delete(eskel_exchange *exchange);
 bool esk_skeleton_get(eskel_exchange *exchange);    /* skeleton.c */
 bool esk_signature_get(eskel_exchange *exchange);   /* signature.c */
 bool esk_volume_get(eskel_exchange *exchange);      /* volume.c */
+bool esk_ellipsoids_get(eskel_exchange *exchange);  /* surface.c */
+bool esk_details_get(eskel_exchange *exchange);
+bool esk_mesh_check(eskel_exchange *exchange); /* mesh.c */
+bool esk_mesh_get(eskel_exchange *exchange);
+bool esk_reconstruction_check(eskel_exchange *exchange); /* reconstruct.c */
+bool esk_reconstruction_get(eskel_exchange *exchange);
+bool esk_reconstruction_post(eskel_exchange *exchange);
 bool esk_recognize_check(eskel_exchange *exchange); /* recognize.c */
 bool esk_recognize_shape(eskel_exchange *exchange);
 bool esk_recognize_volume(eskel_exchange *exchange);
@@ -29,7 +36,8 @@ bool esk_jobs_get(eskel_exchange *exchange);
 bool esk_job_get(eskel_exchange *exchange);
 bool esk_job_delete(eskel_exchange *exchange);
 bool esk_job_get_result(eskel_exchange *exchange);
-bool esk_health_live(eskel_exchange *exchange); /* health.c */
+bool esk_job_get_events(eskel_exchange *exchange); /* job_events.c */
+bool esk_health_live(eskel_exchange *exchange);    /* health.c */
 bool esk_health_ready(eskel_exchange *exchange);
 bool esk_openapi_get(eskel_exchange *exchange); /* openapi.c */
 

@@ -18,6 +18,10 @@ static const char *const enroll[] = {
 	VOLUME, "class", "side", "subject", "age", "sex", "attr.KEY", "levels", "as_said", NULL};
 static const char *const signature[] = {"level", "format/signature", NULL};
 static const char *const volume[] = {"format/volume", NULL};
+static const char *const mesh[] = {"level", "step", "primitive", "compose", "format/mesh", "frame", "source", NULL};
+static const char *const ellipsoids[] = {"level", "compose", NULL};
+static const char *const reconstruction[] = {"level", "primitive", NULL};
+static const char *const reconstruct[] = {"level", "primitive", "method", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {VOLUME, SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};
@@ -35,12 +39,13 @@ static const esk_route routes[] = {
 	{"/calibration", "GET", READ, ESK_BODY_NONE, true, calibration, esk_calibrate_check, esk_calibrate_get},
 	{"/check", "POST", READ, ESK_BODY_VOLUME, true, check, esk_check_check, esk_check_volume},
 	{"/distances", "GET", READ, ESK_BODY_NONE, true, distances, esk_distances_check, esk_distances_get},
-	{"/distances", "POST", READ, ESK_BODY_NONE, false, distances, esk_distances_check, esk_distances_post},
+	{"/distances", "POST", READ, ESK_BODY_NONE, true, distances, esk_distances_check, esk_distances_post},
 	{"/evaluation", "GET", READ, ESK_BODY_NONE, true, evaluation, esk_distances_check, esk_evaluation_get},
 	{"/healthz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_live},
 	{"/jobs", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_jobs_get},
 	{"/jobs/{id}", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_job_get},
-	{"/jobs/{id}", "DELETE", READ, ESK_BODY_NONE, false, nothing, NULL, esk_job_delete},
+	{"/jobs/{id}", "DELETE", READ, ESK_BODY_NONE, true, nothing, NULL, esk_job_delete},
+	{"/jobs/{id}/events", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_job_get_events},
 	{"/jobs/{id}/result", "GET", READ, ESK_BODY_NONE, true, nothing, NULL, esk_job_get_result},
 	{"/openapi.json", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_openapi_get},
 	{"/readyz", "GET", 0, ESK_BODY_NONE, false, nothing, NULL, esk_health_ready},
@@ -52,6 +57,13 @@ static const esk_route routes[] = {
 	{"/shapes/{id}", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_shape_get},
 	{"/shapes/{id}", "PATCH", WRITE, ESK_BODY_JSON, true, nothing, NULL, esk_shape_patch},
 	{"/shapes/{id}", "DELETE", WRITE, ESK_BODY_NONE, true, nothing, NULL, esk_shape_delete},
+	{"/shapes/{id}/ellipsoids", "GET", READ, ESK_BODY_NONE, false, ellipsoids, NULL, esk_ellipsoids_get},
+	{"/shapes/{id}/levels-of-detail", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_details_get},
+	{"/shapes/{id}/mesh", "GET", READ, ESK_BODY_NONE, true, mesh, esk_mesh_check, esk_mesh_get},
+	{"/shapes/{id}/reconstruction", "GET", READ, ESK_BODY_NONE, false, reconstruction, esk_reconstruction_check,
+		esk_reconstruction_get},
+	{"/shapes/{id}/reconstruction", "POST", WRITE, ESK_BODY_NONE, true, reconstruct, esk_reconstruction_check,
+		esk_reconstruction_post},
 	{"/shapes/{id}/signature", "GET", READ, ESK_BODY_NONE, false, signature, NULL, esk_signature_get},
 	{"/shapes/{id}/skeleton", "GET", READ, ESK_BODY_NONE, false, nothing, NULL, esk_skeleton_get},
 	{"/shapes/{id}/volume", "GET", READ, ESK_BODY_NONE, true, volume, NULL, esk_volume_get},

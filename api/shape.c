@@ -1,7 +1,9 @@
 /* GET, PATCH and DELETE /shapes/{id}. The entity tag names the stored row and its revision, so that a shape which was
  * deleted and enrolled again has another one. */
 #include "description.h"
+#include "cache.h"
 #include "calibration.h"
+#include "etag.h"
 #include "exchange.h"
 #include "resources.h"
 #include "shape_json.h"
@@ -17,28 +19,10 @@ static void write_etag(const eskel_shape *shape, char etag[ETAG_SIZE])
 	snprintf(etag, ETAG_SIZE, "\"%" PRId64 "-%" PRId64 "\"", shape->key, shape->revision);
 }
 
-/* Whether a list of entity tags (RFC 9110, 8.8.3) has this one, or is "*". A weak tag equals ours only where weak
- * comparison will do. */
-static bool lists_etag(const char *list, const char *etag, bool weak_will_do)
-{
-	size_t size = strlen(etag);
-	if (strcmp(list, "*") == 0)
-		return true;
-	for (list += strspn(list, ", \t"); *list; list += strspn(list, ", \t")) {
-		bool weak = strncmp(list, "W/", 2) == 0;
-		list += weak ? 2 : 0;
-		size_t tag_size = strcspn(list, ", \t");
-		if (tag_size == size && strncmp(list, etag, size) == 0 && (!weak || weak_will_do))
-			return true;
-		list += tag_size;
-	}
-	return false;
-}
-
 static bool check_if_match(eskel_exchange *exchange, const char *etag)
 {
 	const char *wanted = esk_exchange_request_header(exchange, "If-Match");
-	if (!wanted || lists_etag(wanted, etag, false))
+	if (!wanted || esk_etag_is_listed(wanted, etag, false))
 		return true;
 	return esk_problem_set(&exchange->problem, 412,
 		"If-Match is %.80s, expected %s: the shape has changed since it was read", wanted, etag);
@@ -70,7 +54,7 @@ bool esk_shape_get(eskel_exchange *exchange)
 		return false;
 	write_etag(&shape, etag);
 	bool good = check_if_match(exchange, etag);
-	if (good && known && lists_etag(known, etag, true))
+	if (good && known && esk_etag_is_listed(known, etag, true))
 		good = esk_exchange_add_header(exchange, "ETag", "%s", etag) &&
 		       esk_exchange_answer_nothing(exchange, 304);
 	else if (good)
@@ -141,6 +125,8 @@ bool esk_shape_delete(eskel_exchange *exchange)
 	pthread_rwlock_wrlock(&exchange->api->changing);
 	bool good = delete_shape(exchange, &shape);
 	pthread_rwlock_unlock(&exchange->api->changing);
+	if (good)
+		esk_cache_drop(exchange->api->meshes, exchange->id);
 	eskel_shape_clear(&shape);
 	return good && esk_exchange_answer_nothing(exchange, 204);
 }

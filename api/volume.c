@@ -68,6 +68,6 @@ bool esk_volume_get(eskel_exchange *exchange)
 		free_source(s);
 		return false;
 	}
-	const esk_stream stream = {next, free_source, NULL, s};
+	const esk_stream stream = {.next = next, .free = free_source, .source = s};
 	return esk_exchange_answer_stream(exchange, 200, formats[format].content_type, ESKEL_SIZE_UNKNOWN, &stream);
 }

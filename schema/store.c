@@ -23,6 +23,7 @@ static const char *const quick_checks[] = {
 	"PRAGMA quick_check(warning)",
 	"PRAGMA quick_check(token)",
 	"PRAGMA quick_check(audit)",
+	"PRAGMA quick_check(job)",
 };
 
 static eskel_store_status quick_check(sqlite3 *db, eskel_store_error *error)

@@ -88,10 +88,13 @@ void scratch_free(char *folder)
 	DIR *entries = opendir(folder);
 	demand(entries != NULL, "opendir");
 	for (struct dirent *entry; (entry = readdir(entries));) {
+		if (entry->d_name[0] == '.')
+			continue;
 		char *path = scratch_path(folder, entry->d_name);
-		if (entry->d_name[0] != '.')
-			unlink(path);
-		free(path);
+		if (unlink(path) == 0)
+			free(path);
+		else
+			scratch_free(path);
 	}
 	closedir(entries);
 	rmdir(folder);

@@ -22,7 +22,7 @@ eskel_enrollment sample_enrollment(const sample *s, int32_t label);
 /* Enrolls sample number without anything recorded. shape may be NULL. */
 eskel_store_status sample_enroll(eskel_store *store, uint32_t number, eskel_shape *shape, eskel_store_error *error);
 
-/* A new folder under TMPDIR or /tmp; scratch_free removes it with its files. */
+/* A new folder under TMPDIR or /tmp; scratch_free removes it with all in it. */
 char *scratch_new(void);
 void scratch_free(char *folder);
 /* folder/name, free() it. */

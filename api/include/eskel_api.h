@@ -24,6 +24,8 @@ typedef struct {
 	uint32_t most_labels;            /* in one request; default 1024 */
 	uint64_t most_distances;         /* cells of a matrix that is drawn; default 4 million */
 	uint64_t most_known_bytes;       /* of shapes that recognitions have read, 24 kB each; default 2 GiB */
+	uint64_t most_result_bytes;      /* of all jobs' results together, on disk; default 16 GiB */
+	uint64_t most_mesh_bytes;        /* of meshes that are kept, on disk; default 1 GiB */
 	eskel_store_options store;
 	/* Told now and then while the library fills; false stops, and open fails with ESKEL_STORE_INVALID. */
 	bool (*loading)(void *context, uint64_t loaded, uint64_t total);
@@ -67,6 +69,7 @@ typedef struct {
 	const void *body;
 	size_t size;                     /* ESKEL_SIZE_UNKNOWN: of a streamed body that shows its size at its end */
 	bool streamed;                   /* the body comes from eskel_exchange_next */
+	bool live;                       /* in pieces as there is news, each made at once and in any thread */
 } eskel_response;
 
 #define ESKEL_SIZE_UNKNOWN SIZE_MAX
@@ -93,10 +96,13 @@ ESKEL_API void eskel_exchange_feed(eskel_exchange *exchange, const void *bytes, 
 ESKEL_API bool eskel_exchange_is_heavy(const eskel_exchange *exchange);
 ESKEL_API void eskel_exchange_finish(eskel_exchange *exchange);
 
-/* The next piece of a streamed body, which computes and belongs into a worker; *size is 0 after the last one. The bytes
- * stay until the next call. False when memory ran out: the transport breaks the connection off, lest the client take a
+/* The next piece of a streamed body, which computes and belongs into a worker; *size is 0 after the last one. Of a live one
+ * it is 0 also when there is nothing to say yet: ask again in a while, until it has ended. The bytes stay until the next
+ * call. False when memory ran out: the transport breaks the connection off, lest the client take a
  * part for the whole. Nothing is left to be undone when the transport asks no more. */
 ESKEL_API bool eskel_exchange_next(eskel_exchange *exchange, const void **bytes, size_t *size);
+/* Whether the last piece was empty because it was the last. */
+ESKEL_API bool eskel_exchange_ended(const eskel_exchange *exchange);
 
 /* The same problem+json body for refusals by the transport itself (401, 413, 429, 503 ...). free() it; NULL when
  * memory ran out. */

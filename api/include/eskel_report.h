@@ -16,7 +16,10 @@ typedef enum {
 	ESKEL_REPORT_RECOGNITION,       /* GET and POST /recognize */
 	ESKEL_REPORT_CHECK,             /* POST /check */
 	ESKEL_REPORT_DISTANCES,         /* GET /distances */
-	ESKEL_REPORT_EVALUATION         /* GET /evaluation */
+	ESKEL_REPORT_EVALUATION,        /* GET /evaluation */
+	ESKEL_REPORT_JOBS,              /* GET /jobs */
+	ESKEL_REPORT_JOB,               /* GET /jobs/{id} */
+	ESKEL_REPORT_RECONSTRUCTION     /* GET /shapes/{id}/reconstruction */
 } eskel_report_kind;
 
 typedef struct eskel_report eskel_report;
@@ -42,6 +45,18 @@ ESKEL_API size_t eskel_report_unrecognized(const eskel_report *report);
 
 /* Findings of checks so far that are errors or warnings. */
 ESKEL_API size_t eskel_report_findings(const eskel_report *report);
+
+/* What a progress bar shows of a job. */
+typedef struct {
+	double progress, seconds;       /* share that is done; that it runs or ran */
+	bool ended, failed;
+} eskel_report_job;
+
+/* False, and the job untouched, when the bytes are not the API's job. */
+ESKEL_API bool eskel_report_job_read(const char *json, size_t size, eskel_report_job *job);
+
+/* Where the job is that was begun. free() it; NULL when the bytes do not say or memory ran out. */
+ESKEL_API char *eskel_report_url(const char *json, size_t size);
 
 /* The detail, or else the title, of a problem+json body (RFC 9457), as one line. free() it; NULL when the bytes are no
  * such body or memory ran out. */

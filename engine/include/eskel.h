@@ -793,6 +793,12 @@ typedef struct {
 /* ESKEL_INVALID if a triangle has a vertex twice, or one that is not there. O(n log n). */
 ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check_result *result);
 
+/* The surface with a node of the lattice for each step^3 (mm): a closed manifold with the surface's normals, of at most
+ * triangles_max (0: 2^24) triangles. ESKEL_INVALID for a step that is not positive, ESKEL_TOO_LARGE for more triangles,
+ * ESKEL_EMPTY where the step is so large that no surface is met. */
+ESKEL_API eskel_status eskel_surface_mesh(const eskel_surface *surface, double step, size_t triangles_max,
+	eskel_mesh **mesh, eskel_error *error);
+
 /* The surface of the voxels, for comparison: their faces, in two triangles each, without regard to weights. Voxels that touch
  * in an edge or a corner alone are apart, so that it is a closed manifold. ESKEL_TOO_LARGE for a box of more than 2^31 voxels. */
 ESKEL_API eskel_status eskel_cloud_mesh(const eskel_cloud *cloud, eskel_mesh **mesh, eskel_error *error);

@@ -215,6 +215,94 @@ ESKEL_API eskel_store_status eskel_store_tokens(eskel_store *store, eskel_token 
 ESKEL_API eskel_store_status eskel_store_token_verify(eskel_store *store, const char *text, int64_t now,
 	eskel_token *token, eskel_store_error *error);
 
+/* ---------------------------------------------------------------------------------------------- surfaces */
+
+/* A surface fitted to a shape's level with one kind of primitive. */
+typedef struct {
+	uint32_t level;
+	const char *primitive;           /* the caller's */
+	char *summary;                   /* of the fit, in the words of the API */
+	uint8_t *bytes;                  /* of eskel_surface_encode */
+	size_t size;
+	char sha256[ESKEL_SHA256_SIZE];  /* of the bytes, when it was read */
+} eskel_fitted;
+
+ESKEL_API void eskel_fitted_clear(eskel_fitted *fitted);
+/* Stores it in the place of the last; it goes with its shape. NOT_FOUND when that is gone. */
+ESKEL_API eskel_store_status eskel_store_surface_put(eskel_store *store, int64_t key, const eskel_fitted *fitted,
+	eskel_store_error *error);
+/* NOT_FOUND when none was fitted, CORRUPT when it is damaged. */
+ESKEL_API eskel_store_status eskel_store_surface(eskel_store *store, int64_t key, uint32_t level,
+	const char *primitive, eskel_fitted *fitted, eskel_store_error *error);
+
+/* ---------------------------------------------------------------------------------------------- jobs */
+
+typedef enum { ESKEL_JOB_QUEUED, ESKEL_JOB_DONE, ESKEL_JOB_FAILED } eskel_job_state;
+
+/* Something to be answered when nobody waits for it, and how that ended. */
+typedef struct {
+	char id[ESKEL_ID_SIZE];
+	char created[25];                /* as a shape's */
+	char *request;                   /* what to answer, in the words of the API */
+	eskel_job_state state;
+	uint32_t starts;                 /* how often it was begun, to know one that brings the server down */
+	int status;                      /* of the answer; 0 before */
+	char content_type[65];           /* "" before */
+	uint64_t size;                   /* bytes of the answer */
+	double seconds;                  /* that it ran */
+	char problem[640];               /* why it failed, "" unless it did */
+} eskel_job;
+
+/* Stores a new one, of its id and request; fills in created. */
+ESKEL_API eskel_store_status eskel_store_job_add(eskel_store *store, eskel_job *job, eskel_store_error *error);
+/* Stores what changes of it. One that is gone stays so. */
+ESKEL_API eskel_store_status eskel_store_job_update(eskel_store *store, const eskel_job *job,
+	eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_store_job_remove(eskel_store *store, const char *id, eskel_store_error *error);
+/* In the order of their addition. */
+ESKEL_API eskel_store_status eskel_store_jobs(eskel_store *store, eskel_job **jobs, size_t *count,
+	eskel_store_error *error);
+ESKEL_API void eskel_jobs_free(eskel_job *jobs, size_t count);
+
+/* ---------------------------------------------------------------------------------------------- files */
+
+/* What is too large for rows and can be made again: files in a folder beside the database, "shapes.db-NAME", mode 0700. A
+ * file appears under its name when it is whole and on disk, and carries its SHA-256. Names are the caller's: letters,
+ * digits and hyphens, at most 120. A folder and its files may be used by any thread, a file that is written by one at a time. */
+typedef struct eskel_folder eskel_folder;
+typedef struct eskel_file eskel_file;
+
+/* Makes it if there is none; removes what was left half written. */
+ESKEL_API eskel_store_status eskel_folder_open(eskel_store *store, const char *name, eskel_folder **folder,
+	eskel_store_error *error);
+ESKEL_API void eskel_folder_close(eskel_folder *folder);
+/* Shows each file, in no order, and when it was last written or touched, Unix nanoseconds; false removes it. size is without
+ * the digest. */
+ESKEL_API eskel_store_status eskel_folder_each(eskel_folder *folder,
+	bool (*keep)(void *context, const char *name, uint64_t size, int64_t used), void *context,
+	eskel_store_error *error);
+/* Makes now the time of its last use. */
+ESKEL_API void eskel_folder_touch(eskel_folder *folder, const char *name);
+/* One that is not there is fine, one that is being read stays until it is closed. */
+ESKEL_API void eskel_folder_remove(eskel_folder *folder, const char *name);
+
+/* The SHA-256 of bytes in hex: a name. */
+ESKEL_API void eskel_digest(const void *bytes, size_t size, char text[ESKEL_SHA256_SIZE]);
+
+/* A new file, to be kept or discarded. FULL when the disk has less room than the store leaves (least_free_bytes). */
+ESKEL_API eskel_store_status eskel_file_create(eskel_folder *folder, const char *name, eskel_file **file,
+	eskel_store_error *error);
+ESKEL_API eskel_store_status eskel_file_write(eskel_file *file, const void *bytes, size_t size,
+	eskel_store_error *error);
+/* On disk, under its name in the place of any other, when it returns. Takes the file in any case. */
+ESKEL_API eskel_store_status eskel_file_keep(eskel_file *file, eskel_store_error *error);
+ESKEL_API void eskel_file_discard(eskel_file *file);
+
+/* A descriptor to read size bytes from, to be closed. NOT_FOUND without such a file. With verify it is read whole first:
+ * CORRUPT if it is damaged, or no file of ours. */
+ESKEL_API eskel_store_status eskel_file_open(eskel_folder *folder, const char *name, bool verify, int *descriptor,
+	uint64_t *size, eskel_store_error *error);
+
 /* ---------------------------------------------------------------------------------------------- audit */
 
 /* Each change (enroll, describe, delete, token add, token revoke) has one audit row, whose hash covers the row before.

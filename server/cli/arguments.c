@@ -14,12 +14,17 @@ enum {
 	EVALUATE = 32,
 	CHECK = 64,
 	EXPORT = 128,
-	IMPORT = 256
+	IMPORT = 256,
+	JOBS = 512,
+	JOB = 1024,
+	MESH = 2048,
+	RECONSTRUCT = 4096
 };
 enum {
-	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK | EXPORT | IMPORT,
+	ALL = ENROLL | RECOGNIZE | DISTANCES | SHOW | SKELETON | EVALUATE | CHECK | EXPORT | IMPORT | JOBS | JOB |
+	      MESH | RECONSTRUCT,
 	SERVED = ALL & ~SKELETON,
-	FILTERED = SERVED & ~(ENROLL | IMPORT),
+	FILTERED = SERVED & ~(ENROLL | IMPORT | JOBS | JOB | MESH | RECONSTRUCT),
 	COMPARED = RECOGNIZE | CHECK | DISTANCES | EVALUATE
 };
 
@@ -35,6 +40,10 @@ static const esk_command commands[] = {
 	{"show", "[ID]", "list shapes, or show one", 0, 1, SHOW, esk_command_show},
 	{"export", "DIR", "write the library: tables, and a volume a shape", 1, 1, EXPORT, esk_command_export},
 	{"import", "DIR", "store what an export wrote", 1, 1, IMPORT, esk_command_import},
+	{"mesh", "ID", "the surface of a stored shape as triangles", 1, 1, MESH, esk_command_mesh},
+	{"reconstruct", "ID", "fit a surface to a stored shape", 1, 1, RECONSTRUCT, esk_command_reconstruct},
+	{"jobs", "", "list jobs: answers that nobody waits for", 0, 0, JOBS, esk_command_jobs},
+	{"job", "ID", "wait for a job to end; interrupted, it leaves it alone", 1, 1, JOB, esk_command_job},
 	{"skeleton", "FILE", "the skeletons of a volume's objects, without a server", 1, 1, SKELETON,
 		esk_command_skeleton},
 };
@@ -91,6 +100,20 @@ static const esk_option options[] = {
 		"json, csv, npy (for numpy.load) or svg (a picture), in place of a table"},
 	{"plot", "KIND", DISTANCES, "plot", "of --format svg: heatmap (default) or map"},
 	{"output", "FILE", DISTANCES, NULL, "where the matrix goes; default: standard output"},
+	{"level", "K", MESH | RECONSTRUCT, "level", "of the skeleton; default: the deepest"},
+	{"step", "MM", MESH, "step", "edge of the cells that the surface is followed through"},
+	{"primitive", "KIND", MESH, "primitive",
+		"ellipsoid (default), or superquadric or deformed as reconstruct has fitted them"},
+	{"primitive", "KIND", RECONSTRUCT, "primitive", "deformed (default) or superquadric"},
+	{"method", "NAME", RECONSTRUCT, "method", "joint (default), tabu or hopping"},
+	{"compose", "KIND", MESH, "compose", "blend (default) or union of the ellipsoids"},
+	{"format", "FORMAT", MESH, "format", "glb, stl, ply or obj; default: what the output's name says, or else glb"},
+	{"frame", "AXES", MESH, "frame", "ras (right, front, head; default) or lps (left, back, head)"},
+	{"source", "KIND", MESH, "source", "skeleton (default), or voxels: their own surface"},
+	{"output", "FILE", MESH, NULL, "where the mesh goes; default: standard output"},
+	{"job", NULL, DISTANCES, NULL, "as a job, which eskel job waits for"},
+	{"output", "FILE", JOB, NULL, "where the result goes; default: nowhere, only what became of the job is shown"},
+	{"cancel", NULL, JOB, NULL, "end the job, or forget one that has ended, in place of waiting"},
 	{"columns", NULL, DISTANCES, "columns=all", "compare with all shapes, in place of among themselves"},
 	{"columns-id", "ID,...", DISTANCES, "columns.id", "compare with these shapes"},
 	{"columns-class", "CLASS", DISTANCES, "columns.class", "compare with shapes of this class"},

@@ -75,7 +75,7 @@ static bool wait_for(pool *p, long seconds)
 static bool send_patiently(
 	pool *p, esk_client *client, const esk_posting *posting, esk_answer *answer, esk_outcome *outcome)
 {
-	const esk_request request = {"/shapes", posting->query, posting->file};
+	const esk_request request = {.path = "/shapes", .query = posting->query, .file = posting->file};
 	double waited = 0;
 	for (;;) {
 		*outcome = esk_client_send(client, &request, answer);

@@ -15,6 +15,7 @@ struct esk_client {
 	esk_progress *progress;
 	uint64_t rows; /* of the answer, that came so far */
 	char complaint[512];
+	bool listening; /* to lines, which say how far things are */
 };
 
 /* Where the body of an answer goes. */
@@ -25,6 +26,10 @@ typedef struct {
 	const char *path; /* NULL: standard output */
 	FILE *file;
 	int error;
+	void (*line)(void *context, const char *line); /* or NULL: shown the lines of a success */
+	void *context;
+	size_t length;
+	char text[1 << 13]; /* the line that comes; what is longer is cut */
 } sink;
 
 static const long connect_seconds = 10;
@@ -93,7 +98,7 @@ static int report_progress(void *context, curl_off_t down_total, curl_off_t down
 {
 	esk_client *client = context;
 	struct curl_header *header;
-	if (!client->progress)
+	if (!client->progress || client->listening)
 		return 0;
 	if (client->rows > 0 && !curl_easy_header(client->curl, "Eskel-Rows", 0, CURLH_HEADER, -1, &header)) {
 		const uint64_t total = strtoull(header->value, NULL, 10);
@@ -115,13 +120,30 @@ static void count_rows(esk_client *client, const char *bytes, size_t size)
 		client->rows = 1;
 }
 
+static size_t take_lines(sink *s, const char *bytes, size_t size)
+{
+	for (size_t i = 0; i < size; i++) {
+		if (bytes[i] == '\n') {
+			s->text[s->length] = '\0';
+			s->length = 0;
+			s->line(s->context, s->text);
+		} else if (s->length + 1 < sizeof s->text) {
+			s->text[s->length++] = bytes[i];
+		}
+	}
+	return size;
+}
+
 static size_t take_body(char *bytes, size_t one, size_t size, void *context)
 {
 	(void)one;
 	sink *s = context;
 	long status = 0;
 	curl_easy_getinfo(s->client->curl, CURLINFO_RESPONSE_CODE, &status);
-	if (!s->download || status < 200 || status >= 300)
+	const bool success = status >= 200 && status < 300;
+	if (success && s->line)
+		return take_lines(s, bytes, size);
+	if (!success || !s->download)
 		return fwrite(bytes, 1, size, s->body);
 	if (!s->file)
 		s->file = s->path ? fopen(s->path, "we") : stdout;
@@ -137,9 +159,10 @@ esk_outcome esk_client_new(const char *server, const char *token_file, esk_progr
 	esk_client *made = calloc(1, sizeof *made);
 	esk_outcome outcome = ESK_DONE;
 	if (made)
-		*made = (esk_client){curl_easy_init(),
-			curl_slist_append(NULL, "Content-Type: application/octet-stream"), strdup(server), progress, 0,
-			""};
+		*made = (esk_client){.curl = curl_easy_init(),
+			.headers = curl_slist_append(NULL, "Content-Type: application/octet-stream"),
+			.server = strdup(server),
+			.progress = progress};
 	/* "http://host/" and "http://host" are the same server. */
 	for (size_t n = made && made->server ? strlen(made->server) : 0; n > 0 && made->server[n - 1] == '/'; n--)
 		made->server[n - 1] = '\0';
@@ -204,11 +227,11 @@ static esk_outcome prepare_upload(esk_client *client, const char *path, FILE **f
 	return ESK_DONE;
 }
 
-static void prepare_download(CURL *curl)
+static void prepare_download(CURL *curl, const char *method)
 {
 	curl_easy_setopt(curl, CURLOPT_UPLOAD, 0L);
-	curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, NULL);
 	curl_easy_setopt(curl, CURLOPT_HTTPGET, 1L);
+	curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, method);
 }
 
 static esk_outcome explain(esk_client *client, const sink *s, const char *reason)
@@ -229,6 +252,7 @@ static esk_outcome perform(esk_client *client, const esk_request *request, sink 
 	if (asprintf(&url, "%s%s%s%s", client->server, request->path, *query ? "?" : "", query) < 0)
 		return complain(client, ESK_REFUSED, "memory ran out");
 	client->rows = 0;
+	client->listening = s->line;
 	curl_easy_setopt(client->curl, CURLOPT_URL, url);
 	curl_easy_setopt(client->curl, CURLOPT_HTTPHEADER, request->file ? client->headers : NULL);
 	curl_easy_setopt(client->curl, CURLOPT_WRITEDATA, s);
@@ -269,7 +293,7 @@ static esk_outcome transfer(esk_client *client, const esk_request *request, sink
 	if (request->file)
 		outcome = prepare_upload(client, request->file, &file);
 	else
-		prepare_download(client->curl);
+		prepare_download(client->curl, request->method);
 	if (!outcome)
 		outcome = perform(client, request, s);
 	if (file)
@@ -306,4 +330,11 @@ esk_outcome esk_client_download(esk_client *client, const esk_request *request, 
 	else
 		*answer = got;
 	return outcome;
+}
+
+esk_outcome esk_client_listen(esk_client *client, const esk_request *request,
+	void (*line)(void *context, const char *line), void *context, esk_answer *answer)
+{
+	sink s = {.line = line, .context = context};
+	return transfer(client, request, &s, answer);
 }

@@ -21,9 +21,10 @@ void esk_client_free(esk_client *client);
 const char *esk_client_complaint(const esk_client *client);
 
 typedef struct {
-	const char *path;  /* "/shapes" */
-	const char *query; /* "&a=b&c=d", "" for none */
-	const char *file;  /* POST this file's bytes; NULL: GET */
+	const char *path;   /* "/shapes" */
+	const char *query;  /* "&a=b&c=d", "" for none */
+	const char *file;   /* POST this file's bytes; NULL: none */
+	const char *method; /* without a file; NULL: GET */
 } esk_request;
 
 typedef struct {
@@ -42,5 +43,9 @@ esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_
 /* The same, but the body of a success goes to the file at path (NULL: standard output) as it comes, and the answer's is
  * empty. A file that cannot be written is ESK_REFUSED; one that is not whole stays as it is, with a complaint. */
 esk_outcome esk_client_download(esk_client *client, const esk_request *request, const char *path, esk_answer *answer);
+
+/* The same, but each line of the body of a success is shown as it comes, without its end. */
+esk_outcome esk_client_listen(esk_client *client, const esk_request *request,
+	void (*line)(void *context, const char *line), void *context, esk_answer *answer);
 
 #endif

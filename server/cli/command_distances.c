@@ -18,7 +18,8 @@ static char *ids_of(const esk_arguments *arguments)
 
 esk_outcome esk_command_distances(esk_session *session)
 {
-	esk_outcome outcome = esk_session_open(session, ESKEL_REPORT_DISTANCES);
+	const bool job = esk_arguments_value(session->arguments, "job");
+	esk_outcome outcome = esk_session_open(session, job ? ESKEL_REPORT_JOB : ESKEL_REPORT_DISTANCES);
 	if (!outcome)
 		outcome = esk_session_connect(session);
 	if (outcome)
@@ -26,10 +27,10 @@ esk_outcome esk_command_distances(esk_session *session)
 	session->progress.items = 1;
 	const char *output = esk_arguments_value(session->arguments, "output");
 	char *ids = ids_of(session->arguments), *query = ids ? esk_session_query(session, ids) : NULL;
-	const esk_request request = {"/distances", query, NULL};
+	const esk_request request = {.path = "/distances", .query = query, .method = job ? "POST" : NULL};
 	if (!query)
 		outcome = ESK_REFUSED;
-	else if (esk_arguments_value(session->arguments, "format") || output)
+	else if (!job && (esk_arguments_value(session->arguments, "format") || output))
 		outcome = esk_session_download(session, &request, "distances", output);
 	else
 		outcome = esk_session_ask(session, &request, "distances");

@@ -62,7 +62,7 @@ static esk_outcome evaluate(esk_session *session, size_t number)
 {
 	char *chosen = combination(session->arguments, number);
 	char *query = chosen ? esk_session_query(session, chosen) : NULL;
-	const esk_request request = {"/evaluation", query, NULL};
+	const esk_request request = {.path = "/evaluation", .query = query};
 	esk_outcome outcome =
 		query ? esk_session_ask(session, &request, *chosen ? chosen + 1 : "evaluation") : ESK_REFUSED;
 	free(query);

@@ -75,7 +75,7 @@ static char *page_query(const export *e, const char *cursor)
 static esk_outcome read_page(export *e, const char *cursor, eskel_rows **rows)
 {
 	char *query = page_query(e, cursor);
-	const esk_request request = {"/shapes", query, NULL};
+	const esk_request request = {.path = "/shapes", .query = query};
 	esk_answer answer = {0};
 	esk_outcome outcome = query ? ask(e, &request, NULL, &answer) : ESK_REFUSED;
 	free(query);
@@ -150,7 +150,7 @@ static esk_outcome download(export *e, const char *id, found_shape *found)
 		asprintf(&query, "&format=%s", e->format) < 0)
 		outcome = esk_complain(ESK_REFUSED, "memory ran out");
 	else
-		outcome = ask(e, &(esk_request){from, query, NULL}, part, &answer);
+		outcome = ask(e, &(esk_request){.path = from, .query = query}, part, &answer);
 	if (!outcome && answer.status == 200) {
 		outcome = put_in_place(e, part, id, answer.weights);
 		e->weights = answer.weights;
@@ -184,7 +184,7 @@ static esk_outcome fetch_signature(export *e, const char *id, found_shape *found
 	esk_answer answer = {0};
 	if (asprintf(&from, "/shapes/%s/signature", id) < 0)
 		return esk_complain(ESK_REFUSED, "memory ran out");
-	esk_outcome outcome = ask(e, &(esk_request){from, "&format=csv", NULL}, NULL, &answer);
+	esk_outcome outcome = ask(e, &(esk_request){.path = from, .query = "&format=csv"}, NULL, &answer);
 	if (!outcome && answer.status == 404) {
 		*found = GONE;
 	} else if (!outcome && answer.status != 200) {

@@ -17,7 +17,7 @@ static esk_outcome recognize_stored(esk_session *session, const char *id)
 	char shape[64];
 	snprintf(shape, sizeof shape, "&shape=%s", id);
 	char *query = esk_session_query(session, shape);
-	const esk_request request = {"/recognize", query, NULL};
+	const esk_request request = {.path = "/recognize", .query = query};
 	esk_outcome outcome = query ? esk_session_ask(session, &request, id) : ESK_REFUSED;
 	free(query);
 	return outcome;

@@ -5,16 +5,10 @@
 
 static esk_outcome show_one(esk_session *session, const char *id)
 {
-	char *path = NULL;
-	size_t size;
-	FILE *out = open_memstream(&path, &size);
-	if (out) {
-		fputs("/shapes/", out);
-		esk_arguments_write_escaped(id, out);
-	}
-	if (!esk_session_close_text(out, &path))
+	char *path = esk_session_path("/shapes/", id);
+	if (!path)
 		return ESK_REFUSED;
-	const esk_request request = {path, "", NULL};
+	const esk_request request = {.path = path, .query = ""};
 	esk_outcome outcome = esk_session_ask(session, &request, id);
 	free(path);
 	return outcome;
@@ -25,7 +19,7 @@ static esk_outcome show_list(esk_session *session)
 	char *query = esk_session_query(session, "");
 	if (!query)
 		return ESK_REFUSED;
-	const esk_request request = {"/shapes", query, NULL};
+	const esk_request request = {.path = "/shapes", .query = query};
 	esk_outcome outcome = esk_session_ask(session, &request, "shapes");
 	free(query);
 	return outcome;

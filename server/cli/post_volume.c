@@ -28,7 +28,7 @@ static char *part_query(
 
 static esk_outcome post(esk_session *session, const char *path, const char *file, char *query)
 {
-	const esk_request request = {path, query, file};
+	const esk_request request = {.path = path, .query = query, .file = file};
 	return query ? esk_session_ask(session, &request, file) : ESK_REFUSED;
 }
 

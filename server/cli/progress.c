@@ -59,7 +59,8 @@ void esk_progress_begin(esk_progress *progress, bool quiet, size_t items)
 
 void esk_progress_next(esk_progress *progress, const char *name)
 {
-	progress->item++;
+	if (progress->item < progress->items)
+		progress->item++;
 	progress->name = name;
 	clock_gettime(CLOCK_MONOTONIC, &progress->started);
 }
@@ -122,6 +123,15 @@ void esk_progress_counted(esk_progress *progress, size_t done, double share)
 	}
 	fprintf(stderr, "%zu of %zu %s, %s\n", done, progress->items, progress->name, doing);
 	clock_gettime(CLOCK_MONOTONIC, &progress->drawn);
+}
+
+void esk_progress_worked(esk_progress *progress, double share, double seconds)
+{
+	if (!wants_drawing(progress))
+		return;
+	char doing[64];
+	snprintf(doing, sizeof doing, "%.1f %%, %.0f s", 100 * share, seconds);
+	draw(progress, share, doing);
 }
 
 void esk_progress_end(esk_progress *progress, bool done)

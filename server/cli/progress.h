@@ -10,7 +10,7 @@
 
 typedef struct {
 	bool quiet, terminal;
-	size_t item, items;             /* 1-based; how many there are */
+	size_t item, items;             /* 1-based, not past: how many there are */
 	const char *name;               /* of the item */
 	struct timespec started, drawn; /* the item; the bar */
 } esk_progress;
@@ -32,6 +32,9 @@ void esk_progress_computed(esk_progress *progress, uint32_t steps, uint32_t tota
 
 /* So many of the items are done, which took the given share of the work. Away from a terminal a line every 10 seconds. */
 void esk_progress_counted(esk_progress *progress, size_t done, double share);
+
+/* The share of the item that the server has done, and for how long it works on it. */
+void esk_progress_worked(esk_progress *progress, double share, double seconds);
 
 /* The item has ended, done or given up: what is printed next starts on a clean line. */
 void esk_progress_end(esk_progress *progress, bool done);

@@ -117,6 +117,19 @@ esk_outcome esk_session_download(esk_session *session, const esk_request *reques
 	return outcome;
 }
 
+esk_outcome esk_session_listen(esk_session *session, const esk_request *request, const char *source,
+	void (*line)(void *context, const char *line), void *context)
+{
+	esk_answer got = {0};
+	esk_progress_next(&session->progress, source);
+	esk_outcome outcome = esk_client_listen(session->client, request, line, context, &got);
+	if (!outcome)
+		outcome = judge(source, &got);
+	if (!outcome)
+		free(got.body);
+	return outcome;
+}
+
 esk_outcome esk_session_take(esk_session *session, const char *source, const char *json, size_t size)
 {
 	switch (eskel_report_add(session->report, basename(source), json, size)) {
@@ -152,6 +165,18 @@ char *esk_session_close_text(FILE *out, char **text)
 	free(*text);
 	esk_complain(ESK_REFUSED, "memory ran out");
 	return NULL;
+}
+
+char *esk_session_path(const char *in_front, const char *operand)
+{
+	char *path = NULL;
+	size_t size;
+	FILE *out = open_memstream(&path, &size);
+	if (out) {
+		fputs(in_front, out);
+		esk_arguments_write_escaped(operand, out);
+	}
+	return esk_session_close_text(out, &path);
 }
 
 char *esk_session_query(const esk_session *session, const char *in_front)

@@ -38,11 +38,18 @@ esk_outcome esk_session_send(esk_session *session, const esk_request *request, c
 esk_outcome esk_session_download(
 	esk_session *session, const esk_request *request, const char *source, const char *path);
 
+/* Sends the request; each line of the answer is shown as it comes. */
+esk_outcome esk_session_listen(esk_session *session, const esk_request *request, const char *source,
+	void (*line)(void *context, const char *line), void *context);
+
 /* Takes in JSON of the session's kind. */
 esk_outcome esk_session_take(esk_session *session, const char *source, const char *json, size_t size);
 
 /* Sends and takes in. */
 esk_outcome esk_session_ask(esk_session *session, const esk_request *request, const char *source);
+
+/* What is in front and the operand, percent-encoded. free() it; NULL, with a complaint, when memory ran out. */
+char *esk_session_path(const char *in_front, const char *operand);
 
 /* The query parameters among the arguments, after what is in front. free() it; NULL, with a complaint, when memory ran
  * out. */

@@ -50,6 +50,11 @@ void esk_connection_in_reply(esk_connection *connection, uint64_t size)
 	atomic_store(&connection->deadline, esk_clock_now() + reply_ms + time_for(size));
 }
 
+void esk_connection_wait(esk_connection *connection)
+{
+	atomic_store(&connection->waits, true);
+}
+
 void esk_connection_idle(esk_connection *connection)
 {
 	atomic_store(&connection->deadline, esk_clock_now() + idle_ms);
@@ -96,6 +101,14 @@ size_t esk_connections_count(esk_connections *connections)
 
 /* ---- thread */
 
+static void wake_waiting(esk_connection *c, int64_t now)
+{
+	if (!atomic_exchange(&c->waits, false))
+		return;
+	atomic_store(&c->resumed, now);
+	MHD_resume_connection(c->connection);
+}
+
 /* A connection that was resumed and that libmicrohttpd forgot would hang for ever: resuming it again is harmless. */
 static void wake_lost(esk_connection *c, int64_t now)
 {
@@ -111,6 +124,7 @@ static void sweep(esk_connections *connections)
 {
 	int64_t now = esk_clock_now();
 	for (esk_connection *c = connections->first; c; c = c->next) {
+		wake_waiting(c, now);
 		wake_lost(c, now);
 		if (now < atomic_load(&c->deadline))
 			continue;

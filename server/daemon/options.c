@@ -58,6 +58,10 @@ static const struct row {
 		"in a picture of a matrix; other formats have no limit"},
 	{"most-known", ESK_SERVE, NUMBER, AT(most_known), "BYTES", 2 * GIB, 1024 * KIB, 1024 * GIB,
 		"of memory for shapes that recognitions have met, 24 kB each"},
+	{"most-results", ESK_SERVE, NUMBER, AT(most_results), "BYTES", 16 * GIB, 1024 * KIB, 1024 * 1024 * GIB,
+		"of disk, in DATABASE-jobs, for the results of jobs; the oldest make room"},
+	{"most-meshes", ESK_SERVE, NUMBER, AT(most_meshes), "BYTES", GIB, 1024 * KIB, 1024 * 1024 * GIB,
+		"of disk, in DATABASE-meshes, for meshes that were asked for; those not used for longest make room"},
 	{"role", ESK_TOKEN_ADD, TEXT, AT(role), "ROLE", 0, 0, 0, "read, write or admin; default read"},
 	{"days", ESK_TOKEN_ADD, NUMBER, AT(days), "N", 0, 0, 36500, "until the token expires; 0: never"},
 };

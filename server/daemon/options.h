@@ -23,7 +23,7 @@ typedef struct {
 	const char *hosts[ESK_MOST_HOSTS];
 	size_t host_count;
 	uint64_t threads, workers, queue, connections, rate, drain, days;
-	uint64_t most_body, most_voxels, most_runs, most_labels, most_distances, most_known;
+	uint64_t most_body, most_voxels, most_runs, most_labels, most_distances, most_known, most_results, most_meshes;
 } esk_options;
 
 typedef enum { ESK_OPTIONS_RUN, ESK_OPTIONS_DONE, ESK_OPTIONS_WRONG } esk_options_result;

@@ -76,14 +76,51 @@ static void refuse(esk_request *request, int status, const char *detail)
 	esk_builtin_refuse(status, detail, &request->own);
 }
 
-/* The next bytes of a streamed body, as libmicrohttpd asks for them; 0 while a worker makes a piece. */
+static void make_piece(esk_request *request)
+{
+	const void *bytes = NULL;
+	size_t size = 0;
+	request->stream.broken = !eskel_exchange_next(request->exchange, &bytes, &size);
+	request->stream.ended = eskel_exchange_ended(request->exchange);
+	request->stream.bytes = bytes;
+	request->stream.size = size;
+	request->stream.sent = 0;
+	esk_connection_in_reply(request->peer, size);
+}
+
+/* What there is to say on a live stream, perhaps nothing. */
+static void make_news(esk_request *request)
+{
+	if (atomic_load(&request->server->draining))
+		request->stream.ended = true;
+	if (request->stream.sent == request->stream.size && !request->stream.ended)
+		make_piece(request);
+}
+
+/* Lets the connection rest until a worker has made the next piece, or until it is time to look for news. */
+static void wait_for_piece(esk_request *request, bool live)
+{
+	if (!live)
+		atomic_store(&request->stage, MAKING);
+	esk_connection_in_work(request->peer);
+	MHD_suspend_connection(request->connection); /* before anybody can resume it */
+	if (live)
+		esk_connection_wait(request->peer);
+	else
+		esk_queue_submit(request->server->queue, &request->job);
+}
+
+/* The next bytes of a streamed body, as libmicrohttpd asks for them; 0 while there are none. */
 static ssize_t read_stream(void *context, uint64_t position, char *buffer, size_t size)
 {
 	esk_request *request = context;
+	const bool live = settled(request)->live;
 	(void)position;
 	atomic_store(&request->peer->resumed, 0);
 	if (atomic_load(&request->stage) != SENT)
 		return 0;
+	if (live)
+		make_news(request);
 	const size_t left = request->stream.size - request->stream.sent, taken = left < size ? left : size;
 	if (taken > 0) {
 		memcpy(buffer, request->stream.bytes + request->stream.sent, taken);
@@ -93,23 +130,8 @@ static ssize_t read_stream(void *context, uint64_t position, char *buffer, size_
 	}
 	if (request->stream.broken || request->stream.ended)
 		return request->stream.broken ? MHD_CONTENT_READER_END_WITH_ERROR : MHD_CONTENT_READER_END_OF_STREAM;
-	atomic_store(&request->stage, MAKING);
-	esk_connection_in_work(request->peer);
-	MHD_suspend_connection(request->connection); /* before a worker can resume it */
-	esk_queue_submit(request->server->queue, &request->job);
+	wait_for_piece(request, live);
 	return 0;
-}
-
-static void make_piece(esk_request *request)
-{
-	const void *bytes = NULL;
-	size_t size = 0;
-	request->stream.broken = !eskel_exchange_next(request->exchange, &bytes, &size);
-	request->stream.ended = size == 0;
-	request->stream.bytes = bytes;
-	request->stream.size = size;
-	request->stream.sent = 0;
-	esk_connection_in_reply(request->peer, size);
 }
 
 static enum MHD_Result send_response(esk_request *request)

@@ -10,6 +10,9 @@
  * A stream keeps its place in the queue to its end, and each of its pieces waits its turn there: however long it is,
  * others are served in between. When its client is gone, that is seen when the piece under way is to be sent.
  *
+ * A live stream has neither place nor worker: the network thread makes its pieces, which cost nothing, and where there is no
+ * news the connection is suspended and looked at again a quarter of a second later (connections.h). A stop ends it.
+ *
  * libmicrohttpd drops a response that is queued in mid-body. So a refusal waits until the body has passed; the
  * connection then stays usable. Cut off is only who sends more than 8 MiB and for longer than 5 s after the refusal.
  * A refusal by the head of a client that waits (Expect: 100-continue), announces more than 8 MiB, or sends a head that

@@ -115,6 +115,8 @@ static bool open_api(const esk_options *options, esk_server *server)
 		.most_labels = (uint32_t)options->most_labels,
 		.most_distances = options->most_distances,
 		.most_known_bytes = options->most_known,
+		.most_result_bytes = options->most_results,
+		.most_mesh_bytes = options->most_meshes,
 		.loading = loading,
 		.context = &logged,
 	};

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <time.h>
 #include <cmocka.h>
 
 #define MOST_FIELDS 6000
@@ -196,7 +197,9 @@ static void read_body(eskel_exchange *exchange, answer *a)
 		demand(!a->streamed || eskel_exchange_next(exchange, &bytes, &size), "eskel_exchange_next");
 		if (a->streamed)
 			add_bytes(a, bytes, size);
-	} while (a->streamed && size > 0);
+		if (a->streamed && size == 0 && !eskel_exchange_ended(exchange))
+			nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+	} while (a->streamed && !eskel_exchange_ended(exchange));
 	demand(response->size == a->size || (a->streamed && response->size == ESKEL_SIZE_UNKNOWN), "response->size");
 }
 
@@ -216,6 +219,8 @@ answer ask(eskel_api *api, const question *q)
 	a.link = header(response, "Link");
 	a.allow = header(response, "Allow");
 	a.challenge = header(response, "WWW-Authenticate");
+	a.part = header(response, "Content-Range");
+	a.caching = header(response, "Cache-Control");
 	read_body(exchange, &a);
 	a.json = json_loadb(a.body, a.size, JSON_REJECT_DUPLICATES, NULL);
 	record(q, &a);
@@ -231,6 +236,8 @@ void answer_free(answer *a)
 	free(a->link);
 	free(a->allow);
 	free(a->challenge);
+	free(a->part);
+	free(a->caching);
 	free(a->body);
 	json_decref(a->json);
 	*a = (answer){0};

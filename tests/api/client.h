@@ -37,9 +37,9 @@ typedef struct {
 
 typedef struct {
 	int status;
-	const char *route;                                       /* static */
-	char *type, *location, *etag, *link, *allow, *challenge; /* headers; NULL without */
-	char *body;                                              /* with a terminating 0 */
+	const char *route;                                                        /* static */
+	char *type, *location, *etag, *link, *allow, *challenge, *part, *caching; /* headers; NULL without */
+	char *body;                                                               /* with a terminating 0 */
 	size_t size;
 	json_t *json; /* the body, NULL if it is not JSON */
 	bool early;   /* settled before the body was fed */

@@ -156,6 +156,48 @@ class Commands(Served):
         self.assertEqual(heading, ["id", "name", self.ids["hook_left"], self.ids["hook_right"]])
         self.assertEqual([row[0] for row in rows], heading[2:])
 
+    def test_a_mesh_is_of_the_format_that_its_file_is_called(self):
+        for name, begins in (("a.glb", b"glTF"), ("a.PLY", b"ply"), ("a.obj", b"#"), ("a", b"glTF")):
+            run = self.eskel("mesh", self.ids["hook_left"], "--output", self.path(name), "--step", 2, "--level", 4)
+            self.assertEqual((run.returncode, run.stdout, run.stderr), (0, "", ""))
+            with open(self.path(name), "rb") as file:
+                self.assertEqual(file.read(len(begins)), begins)
+        run = self.eskel("mesh", self.ids["ball"], "--format", "obj", "--frame", "lps")
+        self.assertIn("SPACE=LPS", run.stdout)
+        self.assert_run(self.eskel("mesh", self.ids["ball"], "--step", "0"), 1, "expected millimetres")
+        self.assert_run(self.eskel("mesh", "0" * 32), 1, "there is no shape")
+
+    def test_a_surface_is_fitted_and_drawn(self):
+        run = self.eskel("reconstruct", self.ids["hook_left"], "--level", 3)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        error = {row["error"]: row for row in self.rows(run)}["boundary to surface, mean, mm"]
+        self.assertLess(float(error["after"]), float(error["before"]))
+        self.assertRegex(run.stdout, r"\nlevel 3, 3 primitives, deformed, fitted by joint\n\d+ bytes: the voxels have \d+ times")
+        path = self.path("fitted.stl")
+        self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 3, "--primitive", "deformed", "--output", path), 0)
+        self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 4, "--primitive", "deformed"), 1, "was fitted")
+        self.assert_run(self.eskel("reconstruct", self.ids["hook_left"], "--primitive", "cube"), 1, "cube")
+        self.assert_run(self.eskel("reconstruct", "0" * 32), 1, "there is no shape")
+
+    def test_a_matrix_as_a_job_is_waited_for_and_is_what_it_would_be_at_once(self):
+        row, = self.rows(self.eskel("distances", "--class", "hook", "--format", "csv", "--job"))
+        self.assertEqual((row["path"], len(row["id"])), ("/distances", 32))
+        output = self.path("job.csv")
+        run = self.eskel("job", row["id"], "--output", output)
+        self.assertEqual((run.returncode, run.stdout, run.stderr), (0, "", ""))
+        with open(output, newline="") as file:
+            self.assertEqual(file.read().splitlines(),
+                             self.eskel("distances", "--class", "hook", "--format", "csv").stdout.splitlines())
+        self.assertEqual(json.loads(self.eskel("job", row["id"], "--json").stdout)["state"], "done")
+        listed = {job["id"]: job for job in self.rows(self.eskel("jobs"))}
+        self.assertEqual((listed[row["id"]]["state"], listed[row["id"]]["done"]), ("done", "100.0 %"))
+        self.assert_run(self.eskel("job", row["id"], "--cancel"), 0)
+        self.assert_run(self.eskel("job", row["id"]), 1, "there is no job")
+
+    def test_a_job_that_failed_is_exit_code_1_with_its_reason(self):
+        row, = self.rows(self.eskel("distances", "0" * 32, "--job"))
+        self.assert_run(self.eskel("job", row["id"]), 1, "there is no shape " + "0" * 32)
+
     def test_one_evaluation_has_its_details(self):
         run = self.eskel("evaluate", "--class", "hook")
         self.assertEqual((run.returncode, run.stderr), (0, ""))

@@ -34,6 +34,7 @@ class SlowServer(BaseHTTPRequestHandler):
     """Takes a volume, thinks if it is called slow, and answers as eskeld would."""
 
     protocol_version = "HTTP/1.1"
+    streams = 0
 
     def do_POST(self):
         self.rfile.read(int(self.headers["Content-Length"]))
@@ -45,7 +46,10 @@ class SlowServer(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def do_GET(self):
-        """A matrix, a row every moment."""
+        """A matrix, a row every moment; the events of a job; or the job."""
+        if self.path.startswith("/jobs"):
+            self.answer_job()
+            return
         self.send_response(200)
         self.send_header("Eskel-Rows", "40")
         self.send_header("Connection", "close")
@@ -53,6 +57,25 @@ class SlowServer(BaseHTTPRequestHandler):
         self.close_connection = True
         for row in ["id,name"] + 40 * ["row"]:
             self.wfile.write(f"{row}\r\n".encode())
+            time.sleep(0.05)
+
+    def answer_job(self):
+        """Events in pieces of 7 bytes, in two streams: the first breaks off before the job ends."""
+        jobs = [f'{{"id":"ab","state":"running","progress":{n / 20},"seconds":{n}}}' for n in range(20)]
+        done = '{"id":"ab","state":"done","progress":1.0,"seconds":20}'
+        self.send_response(200)
+        self.send_header("Connection", "close")
+        self.end_headers()
+        self.close_connection = True
+        if not self.path.endswith("/events"):
+            self.wfile.write(done.encode())
+            return
+        SlowServer.streams += 1
+        told = jobs[:10] if SlowServer.streams == 1 else jobs[10:] + [done]
+        for job in told:
+            event = f"event: progress\ndata: {job}\n\n".encode()
+            for start in range(0, len(event), 7):
+                self.wfile.write(event[start:start + 7])
             time.sleep(0.05)
 
     def log_message(self, *arguments):
@@ -89,6 +112,14 @@ class Progress(Folder):
         self.assertEqual(sorted(int(rows) for rows, _ in drawn), [int(rows) for rows, _ in drawn])
         with open(path, "rb") as file:
             self.assertEqual(file.read().count(b"\n"), 41)
+
+    def test_a_job_is_followed_over_streams_that_end(self):
+        code, written = on_terminal("job", "ab", "--server", self.url)
+        self.assertEqual((code, SlowServer.streams), (0, 2), written)
+        drawn = re.findall(r"\r\[#*\.*\] 1 of 1  ab  ([\d.]+) %, \d+ s\x1b\[K", written)
+        self.assertGreater(len(drawn), 5, written)
+        self.assertEqual(sorted(map(float, drawn)), [float(share) for share in drawn])
+        self.assertIn("done", written[written.rindex("\x1b[K"):])
 
     def test_quiet_shows_no_bar(self):
         code, written = on_terminal("enroll", self.volume, "--server", self.url, "--quiet")

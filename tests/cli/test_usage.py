@@ -4,7 +4,7 @@ import unittest
 
 from support import NOWHERE, Folder, ball, eskel, hook, side_by_side, write_nifti
 
-COMMANDS = ("enroll", "recognize", "distances", "evaluate", "show", "skeleton")
+COMMANDS = ("enroll", "recognize", "distances", "evaluate", "mesh", "reconstruct", "jobs", "job", "show", "skeleton")
 
 
 class Usage(Folder):
@@ -33,6 +33,7 @@ class Usage(Folder):
             (["evaluate", "a"], "eskel evaluate takes no operand, 1 given"),
             (["evaluate", "--html", "/nonexistent/page.html"], "/nonexistent/page.html: No such file"),
             (["show", "a", "b"], "eskel show takes [ID], 2 given"),
+            (["job"], "eskel job takes ID, 0 given"),
             (["show", "--shoe"], "--shoe is not an option of show"),
             (["skeleton", "f", "--server=x"], "--server=x is not an option of skeleton"),
             (["show", "--class"], "--class needs a value: CLASS"),

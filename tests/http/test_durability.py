@@ -148,6 +148,76 @@ class Restart(Files):
                 acknowledged[body["shapes"][0]["url"]] = body["shapes"][0]["sha256"]
 
 
+class Jobs(Files):
+    """Three shapes, each named so often that their matrix takes seconds."""
+
+    def enroll(self, daemon):
+        self.ids = [daemon.request("POST", "/shapes", blob(seed))[2]["shapes"][0]["id"] for seed in range(3)]
+
+    def path(self, count):
+        ids = ",".join(self.ids[n % 3] for n in range(count))
+        return f"/distances?format=npy&id={ids}&columns.id={ids}"
+
+    def begin(self, daemon, count):
+        status, headers, job = daemon.request("POST", self.path(count))
+        self.assertEqual((status, headers["location"]), (202, job["url"]))
+        return job["url"]
+
+    def wait_for(self, daemon, url, state):
+        wait_until(lambda: daemon.get(url)[2]["state"] == state, f"the job is {state}", seconds=120)
+
+    def assert_result(self, daemon, url, count):
+        self.wait_for(daemon, url, "done")
+        self.assertEqual(daemon.get(url + "/result")[2], daemon.get(self.path(count))[2])
+
+    def results(self):
+        return sorted(os.listdir(self.database + "-jobs"))
+
+    def test_what_was_accepted_is_done_after_kill_9(self):
+        with Daemon(database=self.database) as daemon:
+            self.enroll(daemon)
+            done, running, queued = self.begin(daemon, 5), self.begin(daemon, 600), self.begin(daemon, 7)
+            self.wait_for(daemon, running, "running")
+            wait_until(lambda: daemon.get(running)[2]["size"] > 1000, "a part of the result is written")
+            daemon.kill()
+        self.assertEqual(len(self.results()), 2, "one whole and a part")
+        with Daemon(database=self.database) as daemon:
+            self.assertEqual([job["url"] for job in daemon.get("/jobs")[2]["jobs"]], [done, running, queued])
+            self.assertEqual(daemon.get(done)[2]["state"], "done")
+            for url, count in ((done, 5), (queued, 7), (running, 600)):
+                self.assert_result(daemon, url, count)
+            self.assertEqual(self.results(), sorted(url.rpartition("/")[2] for url in (done, running, queued)))
+            for url in (done, running, queued):
+                self.assertEqual(daemon.request("DELETE", url)[0], 204)
+            self.assertEqual(self.results(), [])
+
+    def test_a_job_that_was_killed_three_times_is_given_up_and_an_orderly_stop_does_not_count(self):
+        with Daemon(database=self.database) as daemon:
+            self.enroll(daemon)
+            url = self.begin(daemon, 800)
+        for end in (Daemon.stop, Daemon.kill, Daemon.stop, Daemon.kill, Daemon.kill):
+            with Daemon(database=self.database) as daemon:
+                wait_until(lambda: daemon.get(url)[2]["size"] > 0, "it has begun, and that is stored")
+                end(daemon)
+        with Daemon(database=self.database) as daemon:
+            self.assertEqual(daemon.get(url)[2]["state"], "failed")
+            self.assertIn("the server ended 3 times while it ran", daemon.get(url)[2]["problem"])
+
+    def test_who_may_read_may_have_jobs_and_a_restart_needs_nobodys_token(self):
+        with Daemon(database=self.database) as daemon:
+            self.enroll(daemon)
+            token, other = daemon.token("read"), daemon.token("read")
+            status, _, job = daemon.request("POST", self.path(600), token=token)
+            self.assertEqual(status, 202)
+            self.assertEqual(daemon.request("POST", self.path(3))[0], 401)
+            self.assertEqual(daemon.administer("token", "revoke", "1")[0], 0)
+            daemon.kill()
+        with Daemon(database=self.database) as daemon:
+            wait_until(lambda: daemon.get(job["url"], token=other)[2]["state"] == "done", "it is done", seconds=120)
+            self.assertEqual(daemon.get(job["url"] + "/result", token=token)[0], 401)
+            self.assertEqual(daemon.get(job["url"] + "/result", token=other)[0], 200)
+
+
 class DiskFull(Files):
     """On a tmpfs of 80 MB, of which the store keeps 64 MB free. Needs the right to mount."""
 
@@ -170,6 +240,9 @@ class DiskFull(Files):
             self.assertIn("bytes free", body["detail"])
             self.assertEqual(daemon.request("POST", "/recognize", blob(2))[0], 200, "reading goes on")
             self.assertEqual(daemon.request("DELETE", stored[1]["location"])[0], 204, "and deleting")
+            _, _, job = daemon.request("POST", "/distances")
+            wait_until(lambda: daemon.get(job["url"])[2]["state"] == "failed", "a job's result has no room")
+            self.assertEqual(daemon.get(job["url"] + "/result")[0], 507)
             os.remove(filler)
             self.assertEqual(daemon.request("POST", "/shapes", blob(2))[0], 201)
 

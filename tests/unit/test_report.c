@@ -6,6 +6,7 @@
 
 #include "eskel_report.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -396,16 +397,57 @@ static void a_problem_is_its_detail_or_its_title(void **state)
 	assert_null(eskel_report_problem("<html>", 6));
 }
 
+static void a_job_is_a_row_in_a_list_and_alone(void **state)
+{
+	(void)state;
+	static const char json[] =
+		"{\"id\":\"ab\",\"path\":\"/distances\",\"created\":\"2026-01-31T12:34:56Z\",\"state\":\"failed\","
+		"\"progress\":0.25,\"seconds\":1.5,\"size\":0,\"problem\":\"there is no shape\"}";
+	static const char row[] =
+		"id  path        created               state     done  seconds  bytes  problem\n"
+		"ab  /distances  2026-01-31T12:34:56Z  failed  25.0 %      1.5      0  there is no shape\n";
+	char list[400];
+	snprintf(list, sizeof list, "{\"jobs\":[%s]}", json);
+	eskel_report *one = report_of(ESKEL_REPORT_JOB), *all = report_of(ESKEL_REPORT_JOBS);
+	add(one, "ab", json);
+	add(all, "jobs", list);
+	assert_text(one, false, row);
+	assert_text(all, false, row);
+	eskel_report_free(one);
+	eskel_report_free(all);
+}
+
+static void how_far_a_job_is_can_be_read(void **state)
+{
+	(void)state;
+	static const char *const others[] = {"", "{}", "[", "{\"state\":7}", "{\"id\":\"a\"}"};
+	static const char *const states[] = {"queued", "running", "done", "failed"};
+	eskel_report_job job = {.progress = 7};
+	for (size_t i = 0; i < 5; i++)
+		assert_false(eskel_report_job_read(others[i], strlen(others[i]), &job));
+	assert_true(job.progress == 7);
+	for (size_t i = 0; i < 4; i++) {
+		char json[100];
+		snprintf(json, sizeof json, "{\"state\":\"%s\",\"progress\":0.5,\"seconds\":3}", states[i]);
+		assert_true(eskel_report_job_read(json, strlen(json), &job));
+		assert_true(job.progress == 0.5 && job.seconds == 3);
+		assert_int_equal(job.ended, i >= 2);
+		assert_int_equal(job.failed, i == 3);
+	}
+}
+
 static void a_check_is_a_row_a_label_and_a_line_a_finding(void **state)
 {
 	(void)state;
 	eskel_report *report = report_of(ESKEL_REPORT_CHECK);
 	add(report, "feet.nii",
-		"{\"labels\":[{\"label\":1,\"name\":\"talus_R\",\"class\":\"talus\",\"side\":\"right\",\"distance_z\":0.77,"
+		"{\"labels\":[{\"label\":1,\"name\":\"talus_R\",\"class\":\"talus\",\"side\":\"right\",\"distance_z\":"
+		"0.77,"
 		"\"verdict\":{\"class\":\"talus\",\"class_score\":0.987,\"side\":\"left\",\"side_score\":0.5},"
 		"\"findings\":[{\"code\":\"swapped_side\",\"severity\":\"error\",\"text\":\"it is a left one\"},"
 		"{\"code\":\"holes\",\"severity\":\"note\",\"text\":\"1 cavity\"}]},"
-		"{\"label\":12,\"name\":null,\"class\":null,\"side\":null,\"distance_z\":null,\"verdict\":{\"class\":\"cuboid\","
+		"{\"label\":12,\"name\":null,\"class\":null,\"side\":null,\"distance_z\":null,\"verdict\":{\"class\":"
+		"\"cuboid\","
 		"\"class_score\":1.0,\"side\":null,\"side_score\":null},\"findings\":[]}],"
 		"\"findings\":{\"error\":1,\"warning\":0,\"note\":1},"
 		"\"warnings\":[{\"code\":\"no_orientation\",\"text\":\"which side is left is not recorded\"}]}");
@@ -446,6 +488,8 @@ int main(void)
 		cmocka_unit_test(evaluations_are_csv_in_full),
 		cmocka_unit_test(a_page_of_evaluations_stands_alone_and_trusts_no_name),
 		cmocka_unit_test(a_skeleton_shows_its_levels_and_its_deepest_classes),
+		cmocka_unit_test(a_job_is_a_row_in_a_list_and_alone),
+		cmocka_unit_test(how_far_a_job_is_can_be_read),
 		cmocka_unit_test(a_problem_is_its_detail_or_its_title),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

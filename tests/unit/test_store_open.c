@@ -69,7 +69,7 @@ static void a_new_database_is_its_owners_alone_and_says_whose_it_is(void **state
 		free(path);
 	}
 	assert_int_equal(ask(f->path, "PRAGMA application_id"), 0x45534b4c);
-	assert_int_equal(ask(f->path, "PRAGMA user_version"), 2);
+	assert_int_equal(ask(f->path, "PRAGMA user_version"), 4);
 }
 
 static void a_second_open_is_locked_until_the_first_closes(void **state)
@@ -191,10 +191,10 @@ static void a_newer_schema_is_refused_untouched(void **state)
 {
 	store_fixture *f = *state;
 	close_store(f);
-	database_edit(f->path, "PRAGMA user_version = 3");
-	assert_refused_untouched(f, f->path, "its schema is 3, expected at most 2");
+	database_edit(f->path, "PRAGMA user_version = 5");
+	assert_refused_untouched(f, f->path, "its schema is 5, expected at most 4");
 	database_edit(f->path, "PRAGMA user_version = -1");
-	assert_refused_untouched(f, f->path, "expected at most 2");
+	assert_refused_untouched(f, f->path, "expected at most 4");
 }
 
 static void a_newer_schema_that_is_only_in_the_log_is_refused(void **state)
@@ -203,9 +203,9 @@ static void a_newer_schema_that_is_only_in_the_log_is_refused(void **state)
 	close_store(f);
 	sqlite3 *db = NULL;
 	assert_int_equal(sqlite3_open(f->path, &db), SQLITE_OK);
-	assert_int_equal(sqlite3_exec(db, "PRAGMA user_version = 3", NULL, NULL, NULL), SQLITE_OK);
+	assert_int_equal(sqlite3_exec(db, "PRAGMA user_version = 5", NULL, NULL, NULL), SQLITE_OK);
 	assert_int_equal(open_store(f, f->path), ESKEL_STORE_FOREIGN);
-	assert_non_null(strstr(f->error.text, "the schema is 3, expected at most 2"));
+	assert_non_null(strstr(f->error.text, "the schema is 5, expected at most 4"));
 	sqlite3_close(db);
 }
 
@@ -371,10 +371,39 @@ static void assert_holds_the_fixture(store_fixture *f)
 	sample_free(&s);
 }
 
+static void assert_holds_jobs(store_fixture *f, size_t expected)
+{
+	eskel_job *jobs = NULL;
+	size_t count = 9;
+	assert_ok(eskel_store_jobs(f->store, &jobs, &count, &f->error), f);
+	assert_int_equal(count, expected);
+	for (size_t i = 0; i < count; i++) {
+		assert_string_equal(jobs[i].id, "000102030405060708090a0b0c0d0e0f");
+		assert_non_null(strstr(jobs[i].request, "/distances"));
+		assert_int_equal(jobs[i].state, ESKEL_JOB_QUEUED);
+	}
+	eskel_jobs_free(jobs, count);
+}
+
+static void assert_holds_surface(store_fixture *f, bool expected)
+{
+	eskel_fitted fitted = {0};
+	eskel_surface *surface = NULL;
+	const eskel_store_status status = eskel_store_surface(f->store, 1, 2, "deformed", &fitted, &f->error);
+	assert_int_equal(status, expected ? ESKEL_STORE_OK : ESKEL_STORE_NOT_FOUND);
+	if (!expected)
+		return;
+	assert_string_equal(fitted.summary, "{}");
+	assert_int_equal(eskel_surface_decode(fitted.bytes, fitted.size, &surface, NULL), ESKEL_OK);
+	assert_int_equal(eskel_surface_count(surface), 2);
+	eskel_surface_free(surface);
+	eskel_fitted_clear(&fitted);
+}
+
 static void a_database_of_every_step_opens_and_comes_up_to_date(void **state)
 {
 	store_fixture *f = *state;
-	for (int step = 1; step <= 2; step++) {
+	for (int step = 1; step <= 4; step++) {
 		char name[64];
 		snprintf(name, sizeof name, "fixtures/databases/schema_%03d.db", step);
 		size_t size;
@@ -384,8 +413,10 @@ static void a_database_of_every_step_opens_and_comes_up_to_date(void **state)
 		file_write(copy, file, size);
 		assert_int_equal(ask(copy, "PRAGMA user_version"), step);
 		assert_ok(open_store(f, copy), f);
-		assert_int_equal(ask(copy, "PRAGMA user_version"), 2);
+		assert_int_equal(ask(copy, "PRAGMA user_version"), 4);
 		assert_holds_the_fixture(f);
+		assert_holds_jobs(f, step >= 3);
+		assert_holds_surface(f, step >= 4);
 		assert_ok(sample_enroll(f->store, 2, NULL, &f->error), f);
 		uint64_t rows = 0;
 		assert_ok(eskel_store_audit_verify(f->store, &rows, &f->error), f);

@@ -1,0 +1,179 @@
+/* Files of a bounded size together, see cache.h. The sum is kept in memory; which files there are is read from the folder when
+ * room has to be made, and then for a tenth more than is needed, so that this is seldom. */
+#include "cache.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct esk_cache {
+	eskel_folder *folder;
+	uint64_t most_bytes;
+	pthread_mutex_t lock;
+	uint64_t bytes; /* of all files, under the lock */
+};
+
+typedef struct {
+	uint64_t size;
+	int64_t used;
+} file;
+
+typedef struct {
+	size_t count;
+	file *files;
+	bool failed;
+} listing;
+
+static bool add_size(void *context, const char *name, uint64_t size, int64_t used)
+{
+	(void)name;
+	(void)used;
+	*(uint64_t *)context += size;
+	return true;
+}
+
+eskel_store_status esk_cache_open(
+	eskel_store *store, const char *folder, uint64_t most_bytes, esk_cache **cache, eskel_store_error *error)
+{
+	esk_cache *made = calloc(1, sizeof *made);
+	if (!made)
+		return ESKEL_STORE_NO_MEMORY;
+	made->most_bytes = most_bytes;
+	pthread_mutex_init(&made->lock, NULL);
+	eskel_store_status status = eskel_folder_open(store, folder, &made->folder, error);
+	if (status == ESKEL_STORE_OK)
+		status = eskel_folder_each(made->folder, add_size, &made->bytes, error);
+	if (status == ESKEL_STORE_OK)
+		*cache = made;
+	else
+		esk_cache_close(made);
+	return status;
+}
+
+void esk_cache_close(esk_cache *cache)
+{
+	if (!cache)
+		return;
+	eskel_folder_close(cache->folder);
+	pthread_mutex_destroy(&cache->lock);
+	free(cache);
+}
+
+bool esk_cache_find(esk_cache *cache, const char *name, int *descriptor, uint64_t *size)
+{
+	const eskel_store_status status = eskel_file_open(cache->folder, name, true, descriptor, size, NULL);
+	if (status == ESKEL_STORE_CORRUPT)
+		eskel_folder_remove(cache->folder, name);
+	if (status == ESKEL_STORE_OK)
+		eskel_folder_touch(cache->folder, name);
+	return status == ESKEL_STORE_OK;
+}
+
+typedef struct {
+	const char *beginning;
+	uint64_t bytes; /* of those that stay */
+} drop;
+
+static bool begins_otherwise(void *context, const char *name, uint64_t size, int64_t used)
+{
+	drop *d = context;
+	const bool stays = strncmp(name, d->beginning, strlen(d->beginning)) != 0;
+	(void)used;
+	d->bytes += stays ? size : 0;
+	return stays;
+}
+
+void esk_cache_drop(esk_cache *cache, const char *beginning)
+{
+	drop d = {.beginning = beginning};
+	pthread_mutex_lock(&cache->lock);
+	if (cache->bytes > 0)
+		eskel_folder_each(cache->folder, begins_otherwise, &d, NULL);
+	cache->bytes = d.bytes;
+	pthread_mutex_unlock(&cache->lock);
+}
+
+/* ---- room */
+
+static bool list(void *context, const char *name, uint64_t size, int64_t used)
+{
+	listing *l = context;
+	(void)name;
+	file *grown = realloc(l->files, (l->count + 1) * sizeof *grown);
+	if (!grown) {
+		l->failed = true;
+		return true;
+	}
+	l->files = grown;
+	l->files[l->count++] = (file){size, used};
+	return true;
+}
+
+static int compare_use(const void *a, const void *b)
+{
+	const int64_t first = ((const file *)a)->used, second = ((const file *)b)->used;
+	return (first > second) - (first < second);
+}
+
+/* The use up to which files have to go, so that those that stay have at most so many bytes. */
+static int64_t find_oldest_use(listing *l, uint64_t bytes)
+{
+	uint64_t total = 0;
+	size_t kept = l->count;
+	qsort(l->files, l->count, sizeof *l->files, compare_use);
+	while (kept > 0 && total + l->files[kept - 1].size <= bytes)
+		total += l->files[--kept].size;
+	return kept > 0 ? l->files[kept - 1].used : INT64_MIN;
+}
+
+typedef struct {
+	int64_t use;
+	uint64_t bytes; /* of those that stay */
+} sweep;
+
+static bool is_newer(void *context, const char *name, uint64_t size, int64_t used)
+{
+	sweep *s = context;
+	const bool newer = used > s->use;
+	(void)name;
+	s->bytes += newer ? size : 0;
+	return newer;
+}
+
+/* Leaves at most so many bytes; under the lock. */
+static void make_room(esk_cache *cache, uint64_t bytes)
+{
+	listing l = {0};
+	eskel_folder_each(cache->folder, list, &l, NULL);
+	sweep s = {.use = l.failed ? INT64_MAX : find_oldest_use(&l, bytes)};
+	eskel_folder_each(cache->folder, is_newer, &s, NULL);
+	cache->bytes = s.bytes;
+	free(l.files);
+}
+
+static bool write_file(esk_cache *cache, const char *name, const void *bytes, size_t size)
+{
+	eskel_file *written = NULL;
+	if (eskel_file_create(cache->folder, name, &written, NULL) != ESKEL_STORE_OK)
+		return false;
+	if (eskel_file_write(written, bytes, size, NULL) == ESKEL_STORE_OK)
+		return eskel_file_keep(written, NULL) == ESKEL_STORE_OK;
+	eskel_file_discard(written);
+	return false;
+}
+
+void esk_cache_put(esk_cache *cache, const char *name, const void *bytes, size_t size)
+{
+	if (size > cache->most_bytes)
+		return;
+	pthread_mutex_lock(&cache->lock);
+	if (cache->bytes + size > cache->most_bytes)
+		make_room(cache, (cache->most_bytes - size) / 10 * 9);
+	cache->bytes += size;
+	pthread_mutex_unlock(&cache->lock);
+	if (write_file(cache, name, bytes, size))
+		return;
+	pthread_mutex_lock(&cache->lock);
+	cache->bytes -= size < cache->bytes ? size : cache->bytes;
+	pthread_mutex_unlock(&cache->lock);
+}

@@ -1,0 +1,125 @@
+/* A folder of files of a bounded size together. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "cache.h"
+#include "store_fixture.h"
+#include "store_sample.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { SIZE = 1000 };
+
+static char bytes[SIZE];
+
+static esk_cache *open_cache(store_fixture *f, uint64_t most)
+{
+	esk_cache *cache = NULL;
+	assert_ok(esk_cache_open(f->store, "cache", most, &cache, &f->error), f);
+	return cache;
+}
+
+static bool has(esk_cache *cache, const char *name)
+{
+	int descriptor;
+	uint64_t size;
+	if (!esk_cache_find(cache, name, &descriptor, &size))
+		return false;
+	assert_int_equal(size, SIZE);
+	close(descriptor);
+	return true;
+}
+
+/* Times of files have a resolution. */
+static void let_time_pass(void)
+{
+	nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+}
+
+static void what_was_not_used_for_longest_goes_first(void **state)
+{
+	store_fixture *f = *state;
+	static const char *const names[] = {"a", "b", "c", "d", "e"};
+	esk_cache *cache = open_cache(f, 5 * SIZE + SIZE / 2);
+	for (size_t i = 0; i < 5; i++) {
+		esk_cache_put(cache, names[i], bytes, SIZE);
+		let_time_pass();
+	}
+	assert_true(has(cache, "a"));
+	let_time_pass();
+	esk_cache_close(cache);
+	cache = open_cache(f, 5 * SIZE + SIZE / 2); /* uses outlive the process */
+	esk_cache_put(cache, "f", bytes, SIZE);     /* of the others nine tenths of what is left stay */
+	assert_true(has(cache, "a"));
+	assert_false(has(cache, "b"));
+	assert_true(has(cache, "c"));
+	assert_true(has(cache, "e"));
+	assert_true(has(cache, "f"));
+	esk_cache_close(cache);
+}
+
+static void what_cannot_be_kept_is_not_there_and_harms_nothing(void **state)
+{
+	store_fixture *f = *state;
+	esk_cache *cache = open_cache(f, 2 * SIZE);
+	char *large = calloc(1, 2 * SIZE + 1);
+	esk_cache_put(cache, "a", bytes, SIZE);
+	esk_cache_put(cache, "large", large, 2 * SIZE + 1);
+	assert_true(has(cache, "a"));
+	assert_false(has(cache, "large"));
+	esk_cache_close(cache);
+	eskel_store_close(f->store);
+	f->store = NULL;
+	const eskel_store_options options = {.least_free_bytes = UINT64_MAX}; /* a full disk */
+	assert_ok(eskel_store_open(f->path, &options, &f->store, &f->error), f);
+	cache = open_cache(f, 2 * SIZE);
+	esk_cache_put(cache, "b", bytes, SIZE);
+	assert_false(has(cache, "b"));
+	assert_true(has(cache, "a"));
+	esk_cache_close(cache);
+	free(large);
+}
+
+static void damage_is_dropped_and_names_go_together(void **state)
+{
+	store_fixture *f = *state;
+	char relative[200];
+	size_t size;
+	esk_cache *cache = open_cache(f, 10 * SIZE);
+	esk_cache_put(cache, "x-1", bytes, SIZE);
+	esk_cache_put(cache, "x-2", bytes, SIZE);
+	esk_cache_put(cache, "y-1", bytes, SIZE);
+	snprintf(relative, sizeof relative, "%s-cache/y-1", strrchr(f->path, '/') + 1);
+	char *path = scratch_path(f->folder, relative);
+	uint8_t *file = file_read(path, &size);
+	file[7] ^= 1;
+	file_write(path, file, size);
+	assert_false(has(cache, "y-1"));
+	assert_int_equal(access(path, F_OK), -1);
+	esk_cache_put(cache, "y-1", bytes, SIZE);
+	assert_true(has(cache, "y-1"));
+	esk_cache_drop(cache, "x-");
+	assert_false(has(cache, "x-1"));
+	assert_false(has(cache, "x-2"));
+	assert_true(has(cache, "y-1"));
+	esk_cache_close(cache);
+	free(path);
+	free(file);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		store_test(what_was_not_used_for_longest_goes_first),
+		store_test(what_cannot_be_kept_is_not_there_and_harms_nothing),
+		store_test(damage_is_dropped_and_names_go_together),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
