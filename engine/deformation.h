@@ -8,8 +8,9 @@
 #include "jet.h"
 #include "form.h"
 
-/* Coordinates that modes depend on go no further: taper^3 would overflow. The surface lies within 1. */
-#define ESK_REACH 4.0
+/* Coordinates that modes depend on go no further. The primitive lies within 1; beyond, high powers would draw the field into
+ * spikes that no sample of the outside meets. */
+#define ESK_REACH 1.25
 
 /* A coordinate within the reach, and whether it moves. */
 typedef struct {

@@ -656,7 +656,7 @@ ESKEL_API void eskel_superposition_find(const eskel_skeleton *a, const eskel_ske
  * Steps 2 to 4 change some coordinates by amounts that depend on the others alone, so each is undone exactly whatever its
  * parameters. These are Barr's taper, twist and bend, and polynomials of higher degree in their place; the 21 modes with
  * 3 of translation, 3 of rotation and 3 radii are the 30 parameters of section 3.5. Coordinates that modes depend on
- * count as +-4 beyond +-4.
+ * count as +-1.25 beyond +-1.25.
  *
  * Where the paper slips, and where we differ:
  * - The ellipsoid of section 3.3 is d = (p - G) Q (p - G)^T - 1 with Q = M^-1 / gamma^2: the printed D has lambda^(-1/2) for

@@ -21,7 +21,7 @@ static real uniform(uint64_t *state, real least, real most)
 
 static real reach(real x)
 {
-	return fminl(fmaxl(x, -4), 4);
+	return fminl(fmaxl(x, -1.25L), 1.25L);
 }
 
 static real norm(real u, real v, real e)
