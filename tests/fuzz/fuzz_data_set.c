@@ -1,6 +1,6 @@
 /* Any bytes as what DCMTK's program writes, in one piece and in pieces: the same status and sentence, or the same
  * labels, of clouds that encode. */
-#include "../../dicom/data_set.h"
+#include "../../api/dicom/data_set.h"
 #include "fuzz.h"
 
 #include <stdlib.h>
