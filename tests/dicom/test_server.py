@@ -64,7 +64,7 @@ class Server(unittest.TestCase):
             self.assertEqual(422, status, refused)
             for private in PRIVATE:
                 for text in (json.dumps([stored, found, checked, refused]).encode(), daemon.log_text().encode(),
-                             *(p.read_bytes() for p in pathlib.Path(daemon.database).parent.iterdir())):
+                             *(p.read_bytes() for p in pathlib.Path(daemon.database).parent.rglob("*") if p.is_file())):
                     self.assertNotIn(private, text)
 
     def test_the_same_object_has_the_same_id_in_any_order_of_frames(self):

@@ -31,7 +31,7 @@ def potential(parameters, starts, points):
         turned = Rotation.from_rotvec(t[3:6]).as_matrix().T @ axes
         a, b, c = radii * np.exp(t[6:9])
         q = (points - centre - (t[:3] * radii[2]) @ axes) @ turned.T / c
-        z = np.clip(q[:, 2], -4, 4)
+        z = np.clip(q[:, 2], -1.25, 1.25)
         x, y = q[:, 0] - t[11] * z**2, q[:, 1] - t[12] * z**2
         cosine, sine = np.cos(t[13] * z), np.sin(t[13] * z)
         x, y = cosine * x + sine * y, cosine * y - sine * x
