@@ -419,92 +419,6 @@ static void assert_refused(
 }
 
 #define SOLID "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\n"
-#define PLY "ply\nformat ascii 1.0\n"
-#define VERTEX "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-#define FACE "element face 1\nproperty list uchar int vertex_index\n"
-#define CORNERS "0 0 0\n9 0 0\n0 9 0\n0 0 9\n"
-#define FACET "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
-
-static void bad_files_are_refused_in_their_own_words(void **state)
-{
-	(void)state;
-	static const struct {
-		const char *bytes;
-		eskel_status status;
-		const char *text;
-	} files[] = {
-		{"hello, this is a letter\n", ESKEL_NOT_VOLUME,
-			"the file begins with 68 65 6c 6c, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH file, "
-			"or "
-			"an STL, PLY or OBJ mesh"},
-		{"# only a comment\n", ESKEL_NOT_VOLUME,
-			"the file begins with 23 20 6f 6e, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH file, "
-			"or "
-			"an STL, PLY or OBJ mesh"},
-		{"v 0 0 0\n", ESKEL_EMPTY, "the mesh has no triangle"},
-		{"v 0 0\n", ESKEL_MALFORMED, "line 1 begins with \"v\", expected three numbers after it"},
-		{"v 0 0 0x1\n", ESKEL_MALFORMED, "line 1 begins with \"v\", expected three numbers after it"},
-		{"v 0 0 1e9\n", ESKEL_MALFORMED,
-			"vertex 0 has the coordinate 1e+09, expected a number within 1e+07 mm"},
-		{SOLID "f 1 2\n", ESKEL_MALFORMED,
-			"line 5 begins with \"f\", expected three vertices or more after it"},
-		{SOLID "f 1 2 0\n", ESKEL_MALFORMED,
-			"line 5 begins with \"f\", expected vertices, counted from 1 or backwards from -1, after it"},
-		{SOLID "f 1 2 -5\n", ESKEL_MALFORMED,
-			"line 5 begins with \"f\", expected vertices, counted from 1 or backwards from -1, after it"},
-		{SOLID "f 1 2 5\n", ESKEL_MALFORMED, "triangle 0 names vertex 4, counted from 0, of 4"},
-		{SOLID "f 1 3 2\nf 1 2 4\nf 2 3 4\n", ESKEL_MALFORMED,
-			"the mesh is open: 3 edges are not shared by opposite triangles, the first from (0, 0, 0) to "
-			"(0, 0, 9) mm"},
-		{SOLID "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 3 4\n", ESKEL_MALFORMED,
-			"the mesh is open: 3 edges are not shared by opposite triangles, the first from (0, 0, 0) to "
-			"(0, 0, 9) mm"},
-		{SOLID "f 1 2 3\nf 3 2 1\n", ESKEL_EMPTY, "the mesh encloses no volume"},
-		{"solid a\n" FACET, ESKEL_TRUNCATED, "the file ends before the end of its STL mesh"},
-		{"solid a\n" FACET "endsolid", ESKEL_MALFORMED,
-			"the mesh is open: 3 edges are not shared by opposite triangles, the first from (0, 0, 0) to "
-			"(0, 1, 0) mm"},
-		{"solid a\nvertex 0 0 0\nendloop\n", ESKEL_MALFORMED,
-			"line 3 begins with \"endloop\", expected it after three vertices"},
-		{"solid a\nvertex 0 0\n", ESKEL_MALFORMED,
-			"line 2 begins with \"vertex\", expected three of these in a loop, with three numbers each"},
-		{"solid a\ncube 1 1 1\n", ESKEL_MALFORMED,
-			"line 2 begins with \"cube\", expected a line of an ASCII STL"},
-		{"ply\nformat ascii 2.0\n", ESKEL_MALFORMED,
-			"line 2 begins with \"format\", expected ascii, binary_little_endian or binary_big_endian, and "
-			"1.0 after it"},
-		{"ply\nelement vertex many\n", ESKEL_MALFORMED,
-			"line 2 begins with \"element\", expected a name and a number of rows after it"},
-		{"ply\nproperty float x\n", ESKEL_MALFORMED,
-			"line 2 begins with \"property\", expected an element before"},
-		{PLY "element vertex 4\nproperty real x\n", ESKEL_MALFORMED,
-			"line 4 begins with \"property\", expected [list TYPE] TYPE NAME after it"},
-		{"ply\n" VERTEX FACE "end_header\n", ESKEL_MALFORMED,
-			"line 8 begins with \"end_header\", expected a format before it"},
-		{PLY VERTEX "end_header\n", ESKEL_MALFORMED,
-			"line 7 begins with \"end_header\", expected one element vertex and one element face before "
-			"it"},
-		{PLY "element vertex 4\nproperty float x\n" FACE "end_header\n", ESKEL_MALFORMED,
-			"line 7 begins with \"end_header\", expected x, y and z, and no list, in vertex"},
-		{PLY VERTEX "element face 1\nend_header\n", ESKEL_MALFORMED,
-			"line 8 begins with \"end_header\", expected one list vertex_indices in face"},
-		{PLY "bytes 3\n", ESKEL_MALFORMED, "line 3 begins with \"bytes\", expected a line of a PLY header"},
-		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1 a\n", ESKEL_MALFORMED,
-			"line 14 has \"a\", expected numbers"},
-		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1 0.5\n", ESKEL_MALFORMED,
-			"face 0 names vertex 0.5, expected a number from 0 on"},
-		{PLY VERTEX FACE "end_header\n" CORNERS "-3 0 1 2\n", ESKEL_MALFORMED,
-			"a list in row 0 has -3 values, expected 0 to 4194304"},
-		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1 4\n", ESKEL_MALFORMED,
-			"triangle 0 names vertex 4, counted from 0, of 4"},
-		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1\n", ESKEL_TRUNCATED,
-			"the file ends before the end of its PLY mesh"},
-		{PLY VERTEX FACE "end_header\n" CORNERS "3 0 1 2 7\n", ESKEL_MALFORMED,
-			"the file goes on after its last element"},
-	};
-	for (size_t i = 0; i < sizeof files / sizeof *files; i++)
-		assert_refused(files[i].bytes, strlen(files[i].bytes), NULL, files[i].status, files[i].text);
-}
 
 static void a_spacing_is_for_meshes_and_weights_are_not(void **state)
 {
@@ -594,7 +508,6 @@ int main(void)
 		cmocka_unit_test(every_format_gives_the_same_cloud_however_it_is_cut),
 		cmocka_unit_test(a_binary_stl_may_begin_with_solid_or_with_zeros),
 		cmocka_unit_test(comments_name_the_space),
-		cmocka_unit_test(bad_files_are_refused_in_their_own_words),
 		cmocka_unit_test(warnings_say_how_voxels_differ_from_the_mesh),
 		cmocka_unit_test(a_spacing_is_for_meshes_and_weights_are_not),
 		cmocka_unit_test(what_unfolds_without_end_is_refused),
