@@ -10,14 +10,18 @@
 #include "api/client.h"
 
 #include <stdio.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-static long allocations_left = -1; /* before one fails; -1: none fails */
+static atomic_long allocations_left = -1; /* before one fails; -1: none fails */
 
 static bool fails(void)
 {
-	return allocations_left >= 0 && allocations_left-- == 0;
+	long left = allocations_left;
+	while (left >= 0 && !atomic_compare_exchange_weak(&allocations_left, &left, left - 1))
+		;
+	return left == 0;
 }
 
 void *__real_malloc(size_t size);

@@ -9,13 +9,17 @@
 #include "eskel.h"
 #include "shapes.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
-static long allocations_left = -1; /* before one fails; -1: none fails */
+static atomic_long allocations_left = -1; /* before one fails; -1: none fails */
 
 static int fails(void)
 {
-	return allocations_left >= 0 && allocations_left-- == 0;
+	long left = allocations_left;
+	while (left >= 0 && !atomic_compare_exchange_weak(&allocations_left, &left, left - 1))
+		;
+	return left == 0;
 }
 
 void *__real_malloc(size_t size);
