@@ -19,7 +19,9 @@ class Contract(unittest.TestCase):
             if template.startswith("/jobs"):
                 identity = self.daemon.request("POST", "/distances")[2]["id"]
             else:
-                identity = self.daemon.request("POST", "/shapes", blob(1))[2]["shapes"][0]["id"]
+                fitted = template.endswith("/reconstruction")
+                path, body = ("/shapes?levels=2", blob(2)) if fitted else ("/shapes", blob(1))
+                identity = self.daemon.request("POST", path, body)[2]["shapes"][0]["id"]
             if template.endswith("/reconstruction"):
                 job = self.daemon.request("POST", template.replace("{id}", identity))[2]["url"]
                 wait_until(lambda: self.daemon.get(job)[2]["state"] == "done", "a surface is fitted")
