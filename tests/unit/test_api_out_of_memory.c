@@ -1,6 +1,5 @@
 /* Lets the nth allocation of a request fail, for n = 0, 1, 2 ... until there are no more. Each time the request must be
- * answered as without the failure or with 503, nothing may be half done and, as a sanitizer sees, nothing leaked. Linked
- * with --wrap for the functions that allocate. */
+ * answered as without the failure or with 503, nothing may be half done and, as a sanitizer sees, nothing leaked. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -8,57 +7,11 @@
 #include <cmocka.h>
 
 #include "api/client.h"
+#include "failing_allocations.h"
 
 #include <stdio.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-
-static atomic_long allocations_left = -1; /* before one fails; -1: none fails */
-
-static bool fails(void)
-{
-	long left = allocations_left;
-	while (left >= 0 && !atomic_compare_exchange_weak(&allocations_left, &left, left - 1))
-		;
-	return left == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t size);
-char *__real_strdup(const char *text);
-int __real_vasprintf(char **text, const char *format, va_list arguments);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-char *__wrap_strdup(const char *text);
-int __wrap_vasprintf(char **text, const char *format, va_list arguments);
-
-void *__wrap_malloc(size_t size)
-{
-	return fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *old, size_t size)
-{
-	return fails() ? NULL : __real_realloc(old, size);
-}
-
-char *__wrap_strdup(const char *text)
-{
-	return fails() ? NULL : __real_strdup(text);
-}
-
-int __wrap_vasprintf(char **text, const char *format, va_list arguments)
-{
-	return fails() ? -1 : __real_vasprintf(text, format, arguments);
-}
 
 /* The status; 503 when not even the exchange could be made. */
 static int perform(eskel_api *api, const eskel_request *request, const volume_file *body)
@@ -88,10 +41,9 @@ static void fail_each_allocation(eskel_api *api, const eskel_request *request, c
 	bool failed = true;
 	long n = 0;
 	for (; failed && n < 20000; n++) {
-		allocations_left = n;
+		failing_allocations_begin(n);
 		int status = perform(api, request, body);
-		failed = allocations_left < 0;
-		allocations_left = -1;
+		failed = failing_allocations_end();
 		/* jansson's reader takes some failures for bad JSON */
 		bool refused = status == 503 || (status == 400 && strcmp(request->method, "PATCH") == 0);
 		if (status != expected && !(refused && failed))
@@ -212,7 +164,7 @@ static void other_requests_are_answered_or_refused(void **state)
 
 int main(void)
 {
-	json_set_alloc_funcs(__wrap_malloc, free);
+	json_set_alloc_funcs(malloc, free); /* the wrapped one */
 	const struct CMUnitTest tests[] = {
 		api_test(an_enrollment_is_whole_or_nothing),
 		api_test(other_requests_are_answered_or_refused),

@@ -1,5 +1,5 @@
 /* Lets the nth allocation of a fit fail, for n = 1, 2, 3 ... until there are no more. Each time the status must be
- * ESKEL_NO_MEMORY, the output untouched and, as a sanitizer sees, nothing leaked. Linked with --wrap for the allocators. */
+ * ESKEL_NO_MEMORY, the output untouched and, as a sanitizer sees, nothing leaked. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -7,49 +7,10 @@
 #include <cmocka.h>
 
 #include "eskel.h"
+#include "failing_allocations.h"
 #include "shapes.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
-
-static atomic_long allocations_left = -1; /* before one fails; -1: none fails */
-
-static int fails(void)
-{
-	long left = allocations_left;
-	while (left >= 0 && !atomic_compare_exchange_weak(&allocations_left, &left, left - 1))
-		;
-	return left == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *old, size_t size)
-{
-	return fails() ? NULL : __real_realloc(old, size);
-}
-
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-	return fails() ? NULL : __real_aligned_alloc(alignment, size);
-}
 
 static void every_failed_allocation_of_a_fit_is_reported(void **state)
 {
@@ -69,10 +30,9 @@ static void every_failed_allocation_of_a_fit_is_reported(void **state)
 		for (bool failed = true; failed && failures < 1000; failures++) {
 			eskel_error error = {0};
 			eskel_reconstruction *r = NULL;
-			allocations_left = failures;
+			failing_allocations_begin(failures);
 			const eskel_status status = eskel_surface_fit(cloud, skeleton, 2, &options, &r, &error);
-			failed = allocations_left < 0;
-			allocations_left = -1;
+			failed = failing_allocations_end();
 			assert_int_equal(status != ESKEL_OK, r == NULL);
 			if (status && (!failed || status != ESKEL_NO_MEMORY || error.status != ESKEL_NO_MEMORY))
 				fail_msg("allocation %d: %s (%s)", failures, eskel_status_text(status), error.text);

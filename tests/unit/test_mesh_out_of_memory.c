@@ -1,4 +1,4 @@
-/* Lets the nth allocation fail, for n = 1, 2, 3 ..., in all that makes a mesh: as test_out_of_memory.c, and linked as it is.
+/* Lets the nth allocation fail, for n = 1, 2, 3 ..., in all that makes a mesh: as test_out_of_memory.c.
  * What meshoptimizer itself allocates is not among them. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,39 +6,11 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "failing_allocations.h"
 #include "fields.h"
 #include "polygonise.h"
 
 #include <stdlib.h>
-
-static long allocations_left = -1; /* before one fails; -1: none fails */
-
-static int fails(void)
-{
-	return allocations_left >= 0 && allocations_left-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *old, size_t size)
-{
-	return fails() ? NULL : __real_realloc(old, size);
-}
 
 static eskel_status polygonise(eskel_mesh **mesh)
 {
@@ -106,10 +78,9 @@ static void every_failed_allocation_is_reported_and_leaks_nothing(void **state)
 		int failures = 0;
 		for (bool failed = true; failed && failures < 1000; failures++) {
 			eskel_mesh *mesh = NULL;
-			allocations_left = failures;
+			failing_allocations_begin(failures);
 			const eskel_status status = makers[m](&mesh);
-			failed = allocations_left < 0;
-			allocations_left = -1;
+			failed = failing_allocations_end();
 			assert_int_equal(status, failed ? ESKEL_NO_MEMORY : ESKEL_OK);
 			assert_true(!failed || mesh == NULL);
 			eskel_mesh_free(mesh);

@@ -104,7 +104,7 @@ static void append_table(int count)
 	append_integer(4, 1);
 	append_integer(4, -2);
 	append_integer(4, 2000);
-	append_text("/home/jane/table.txt");
+	append_text("subject/table.txt");
 	append_integer(4, count);
 }
 
@@ -236,7 +236,7 @@ static void without_a_colour_table_the_labels_of_aseg_have_their_names(void **st
 	assert_names("Left-Hippocampus", NULL, assumed);
 	write_cube();
 	append_scan();
-	append_tag(3, "mri_convert jane.mgz");
+	append_tag(3, "mri_convert in.mgz");
 	assert_names("Left-Hippocampus", NULL, assumed);
 }
 
@@ -258,7 +258,7 @@ static void both_forms_of_the_colour_table_name_labels(void **state)
 	(void)state;
 	write_cube();
 	append_scan();
-	append_tag(31, "/home/jane/talairach.xfm");
+	append_tag(31, "subject/talairach.xfm");
 	append_table(3);
 	append_integer(4, 0);
 	append_name("Unknown");

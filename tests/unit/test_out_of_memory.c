@@ -1,6 +1,5 @@
 /* Lets the nth allocation of the engine fail, for n = 1, 2, 3 ... until there are no more. Each time the status must be
- * ESKEL_NO_MEMORY, the outputs untouched and, as a sanitizer sees, nothing leaked. Linked with --wrap for malloc, calloc
- * and realloc. */
+ * ESKEL_NO_MEMORY, the outputs untouched and, as a sanitizer sees, nothing leaked. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -8,40 +7,12 @@
 #include <cmocka.h>
 
 #include "eskel.h"
+#include "failing_allocations.h"
 #include "nifti_file.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
-
-static long allocations_left = -1; /* before one fails; -1: none fails */
-
-static int fails(void)
-{
-	return allocations_left >= 0 && allocations_left-- == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *old, size_t size)
-{
-	return fails() ? NULL : __real_realloc(old, size);
-}
 
 /* From a cloud to its skeleton, its encoding, the skeleton decoded from that, and its position signature. */
 static eskel_status run_skeleton(const eskel_cloud *cloud, eskel_error *error)
@@ -136,10 +107,9 @@ static void assert_failures_are_reported(const uint8_t *bytes, size_t size)
 	int failures = 0;
 	for (bool failed = true; failed && failures < 1000; failures++) {
 		eskel_error error = {ESKEL_NO_MEMORY, ""};
-		allocations_left = failures;
+		failing_allocations_begin(failures);
 		eskel_status status = run_pipeline(bytes, size, &error);
-		failed = allocations_left < 0;
-		allocations_left = -1;
+		failed = failing_allocations_end();
 		/* A failure to give memory back, when a buffer shrinks, does no harm. */
 		if (status != ESKEL_OK && (!failed || status != ESKEL_NO_MEMORY || error.status != ESKEL_NO_MEMORY))
 			fail_msg("allocation %d: %s (%s)", failures, eskel_status_text(status), error.text);

@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "crash/fault_vfs.h"
+#include "failing_allocations.h"
 #include "store_fixture.h"
 #include "store_sample.h"
 
@@ -15,54 +16,16 @@
 
 /* ------------------------------------------------------------------------------------------------ memory */
 
-/* The nth allocation from now on, ours or SQLite's, and no other, fails. 0: none. */
-static int allocations_left;
-
-static bool allocation_fails(void)
-{
-	return allocations_left && --allocations_left == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return allocation_fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return allocation_fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-	return allocation_fails() ? NULL : __real_realloc(memory, size);
-}
-
 static sqlite3_mem_methods sqlite_memory;
 
 static void *sqlite_malloc(int size)
 {
-	return allocation_fails() ? NULL : sqlite_memory.xMalloc(size);
+	return failing_allocations_next() ? NULL : sqlite_memory.xMalloc(size);
 }
 
 static void *sqlite_realloc(void *memory, int size)
 {
-	return allocation_fails() ? NULL : sqlite_memory.xRealloc(memory, size);
-}
-
-/* True when the nth allocation of the last call was reached: it failed. */
-static bool disarm(void)
-{
-	bool reached = allocations_left == 0;
-	allocations_left = 0;
-	return reached;
+	return failing_allocations_next() ? NULL : sqlite_memory.xRealloc(memory, size);
 }
 
 /* ------------------------------------------------------------------------------------------------ helpers */
@@ -112,10 +75,10 @@ static void an_enrollment_that_runs_out_of_memory_anywhere_leaves_nothing(void *
 	for (int n = 1; reached; n++) {
 		eskel_shape shape;
 		bool created;
-		allocations_left = n;
+		failing_allocations_begin(n - 1);
 		eskel_store_status status =
 			eskel_store_enroll(f->store, NULL, &enrollment, 1, &shape, &created, &f->error);
-		reached = disarm();
+		reached = failing_allocations_end();
 		if (status != ESKEL_STORE_OK && status != ESKEL_STORE_NO_MEMORY)
 			fail_msg("allocation %d: %s", n, f->error.text);
 		assert_int_equal(stored_count(f), status == ESKEL_STORE_OK);
@@ -137,9 +100,9 @@ static void an_open_that_runs_out_of_memory_anywhere_can_be_repeated(void **stat
 	for (int n = 1; reached; n++) {
 		eskel_store_close(f->store);
 		f->store = NULL;
-		allocations_left = n;
+		failing_allocations_begin(n - 1);
 		eskel_store_status status = eskel_store_open(f->path, NULL, &f->store, &f->error);
-		reached = disarm();
+		reached = failing_allocations_end();
 		if (status != ESKEL_STORE_OK && status != ESKEL_STORE_NO_MEMORY)
 			fail_msg("allocation %d: %s", n, f->error.text);
 		assert_true((status == ESKEL_STORE_OK) == (f->store != NULL));
@@ -158,10 +121,10 @@ static void a_list_that_runs_out_of_memory_anywhere_can_be_repeated(void **state
 		eskel_shape *shapes = NULL;
 		size_t count = 0;
 		bool more;
-		allocations_left = n;
+		failing_allocations_begin(n - 1);
 		eskel_store_status status =
 			eskel_store_list(f->store, &filter, 0, 10, &shapes, &count, &more, &f->error);
-		reached = disarm();
+		reached = failing_allocations_end();
 		if (status == ESKEL_STORE_OK)
 			assert_int_equal(count, 3);
 		else
@@ -188,9 +151,9 @@ static void the_classes_are_whole_or_refused_wherever_memory_ran_out(void **stat
 	for (int n = 1; reached; n++) {
 		char **classes = NULL;
 		size_t count = 0;
-		allocations_left = n;
+		failing_allocations_begin(n - 1);
 		eskel_store_status status = eskel_store_classes(f->store, &classes, &count, &f->error);
-		reached = disarm();
+		reached = failing_allocations_end();
 		if (status == ESKEL_STORE_OK)
 			assert_int_equal(count, 3);
 		else
@@ -232,9 +195,9 @@ static void filters_find_all_wherever_memory_ran_out(void **state)
 	eskel_shape_clear(&shape);
 	for (int n = 1; reached; n++) {
 		store_reopen(f);
-		allocations_left = n;
+		failing_allocations_begin(n - 1);
 		eskel_store_status status = eskel_store_keep_descriptions(f->store, &f->error);
-		reached = disarm();
+		reached = failing_allocations_end();
 		assert_true(status == ESKEL_STORE_OK || status == ESKEL_STORE_NO_MEMORY);
 		assert_int_equal(found_count(f, &filter), 1);
 	}
@@ -242,10 +205,10 @@ static void filters_find_all_wherever_memory_ran_out(void **state)
 	for (int n = 1; reached; n++) {
 		store_reopen(f);
 		assert_ok(eskel_store_keep_descriptions(f->store, &f->error), f);
-		allocations_left = n;
+		failing_allocations_begin(n - 1);
 		eskel_store_status status =
 			eskel_store_enroll(f->store, NULL, &enrollments[1], 1, &shape, &created, &f->error);
-		reached = disarm();
+		reached = failing_allocations_end();
 		assert_int_equal(found_count(f, &filter), status == ESKEL_STORE_OK ? 2 : 1);
 		if (status != ESKEL_STORE_OK)
 			continue;
