@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "eskel.h"
+#include "volume_decode.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -51,19 +52,7 @@ static void write_cube(const char *further_lines)
 
 static eskel_status decode(size_t size, size_t piece, eskel_volume **volume, eskel_error *error)
 {
-	eskel_volume *v = NULL;
-	assert_int_equal(eskel_volume_new(NULL, &v), ESKEL_OK);
-	eskel_status status = ESKEL_OK;
-	for (size_t at = 0; at < size && status == ESKEL_OK; at += piece)
-		status = eskel_volume_feed(v, file.bytes + at, piece < size - at ? piece : size - at, error);
-	if (status == ESKEL_OK)
-		status = eskel_volume_finish(v, error);
-	if (status != ESKEL_OK) {
-		eskel_volume_free(v);
-		v = NULL;
-	}
-	*volume = v;
-	return status;
+	return volume_decode(file.bytes, size, piece, NULL, volume, error);
 }
 
 static eskel_volume *decoded(size_t piece)

@@ -7,6 +7,7 @@
 
 #include "eskel.h"
 #include "nifti_file.h"
+#include "volume_decode.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,19 +80,7 @@ static file write_file(int version, bool big_endian, const extension *extensions
 
 static eskel_status decode(const file *f, size_t piece, eskel_volume **volume, eskel_error *error)
 {
-	eskel_volume *v = NULL;
-	assert_int_equal(eskel_volume_new(NULL, &v), ESKEL_OK);
-	eskel_status status = ESKEL_OK;
-	for (size_t at = 0; at < f->size && status == ESKEL_OK; at += piece)
-		status = eskel_volume_feed(v, f->bytes + at, piece < f->size - at ? piece : f->size - at, error);
-	if (status == ESKEL_OK)
-		status = eskel_volume_finish(v, error);
-	if (status != ESKEL_OK) {
-		eskel_volume_free(v);
-		v = NULL;
-	}
-	*volume = v;
-	return status;
+	return volume_decode(f->bytes, f->size, piece, NULL, volume, error);
 }
 
 static void assert_name(const eskel_volume *volume, int32_t label, const char *name)

@@ -6,6 +6,7 @@
 
 #include "eskel.h"
 #include "nifti_file.h"
+#include "volume_decode.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,18 +36,7 @@ static file *file_of(const char *lines, const void *bytes, size_t size)
 
 static eskel_status feed(const file *f, size_t size, size_t piece, eskel_volume **volume, eskel_error *error)
 {
-	eskel_volume *v = NULL;
-	assert_int_equal(eskel_volume_new(NULL, &v), ESKEL_OK);
-	eskel_status status = ESKEL_OK;
-	for (size_t at = 0; at < size && status == ESKEL_OK; at += piece)
-		status = eskel_volume_feed(v, f->bytes + at, piece < size - at ? piece : size - at, error);
-	if (status == ESKEL_OK)
-		status = eskel_volume_finish(v, error);
-	if (status == ESKEL_OK)
-		*volume = v;
-	else
-		eskel_volume_free(v);
-	return status;
+	return volume_decode(f->bytes, size, piece, NULL, volume, error);
 }
 
 /* Decoded whole and byte by byte, which must give the same labels. The file is freed. */

@@ -7,6 +7,7 @@
 #include "eskel.h"
 #include "mesh_file.h"
 #include "synthetic.h"
+#include "volume_decode.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,32 +23,13 @@ static const double turned[3][4] = {
 	{-0.2933764, 0.2719625, 0.9164838, 512.9},
 };
 
-static eskel_status decode(const void *bytes, size_t size, size_t piece, const eskel_volume_options *options,
-	eskel_volume **volume, eskel_error *error)
-{
-	eskel_volume *v = NULL;
-	assert_int_equal(eskel_volume_new(options, &v), ESKEL_OK);
-	eskel_status status = ESKEL_OK;
-	for (size_t at = 0; at < size && status == ESKEL_OK; at += piece)
-		status =
-			eskel_volume_feed(v, (const uint8_t *)bytes + at, piece < size - at ? piece : size - at, error);
-	if (status == ESKEL_OK)
-		status = eskel_volume_finish(v, error);
-	if (status != ESKEL_OK) {
-		eskel_volume_free(v);
-		v = NULL;
-	}
-	*volume = v;
-	return status;
-}
-
 static eskel_volume *decoded(const mesh_file *mesh, mesh_format format, const char *comment, double spacing)
 {
 	size_t size;
 	uint8_t *bytes = mesh_write(mesh, format, comment, &size);
 	eskel_volume *volume;
 	eskel_error error;
-	if (decode(bytes, size, size, &(eskel_volume_options){.spacing = spacing}, &volume, &error) != ESKEL_OK)
+	if (volume_decode(bytes, size, size, &(eskel_volume_options){.spacing = spacing}, &volume, &error) != ESKEL_OK)
 		fail_msg("%s", error.text);
 	free(bytes);
 	return volume;
@@ -262,7 +244,8 @@ static void voxels_are_inside_as_winding_numbers_by_solid_angles_say(void **stat
 		size_t size;
 		uint8_t *bytes = mesh_write(&mesh, MESH_PLY_LITTLE_ENDIAN, "", &size);
 		eskel_volume *volume = NULL;
-		eskel_status status = decode(bytes, size, size, &(eskel_volume_options){.spacing = 1}, &volume, NULL);
+		eskel_status status =
+			volume_decode(bytes, size, size, &(eskel_volume_options){.spacing = 1}, &volume, NULL);
 		assert_true(status == ESKEL_OK || status == ESKEL_EMPTY);
 		if (status == ESKEL_OK) {
 			compared += compare_with_winding_numbers(&mesh, volume);
@@ -304,8 +287,8 @@ static void every_format_gives_the_same_cloud_however_it_is_cut(void **state)
 		for (int p = 0; p < 3; p++) {
 			eskel_error error;
 			eskel_volume *volume;
-			if (decode(bytes, size, pieces[p], &(eskel_volume_options){.spacing = 0.5}, &volume, &error) !=
-				ESKEL_OK)
+			if (volume_decode(bytes, size, pieces[p], &(eskel_volume_options){.spacing = 0.5}, &volume,
+				    &error) != ESKEL_OK)
 				fail_msg("%s: %s", names[format], error.text);
 			assert_string_equal(eskel_volume_get_info(volume)->format, names[format]);
 			eskel_cloud *cloud = cloud_of(volume);
@@ -326,10 +309,10 @@ static void a_binary_stl_may_begin_with_solid_or_with_zeros(void **state)
 	size_t size;
 	uint8_t *bytes = mesh_write(&mesh, MESH_STL_BINARY, "solid binary", &size);
 	eskel_volume *volume;
-	assert_int_equal(decode(bytes, size, size, NULL, &volume, NULL), ESKEL_OK);
+	assert_int_equal(volume_decode(bytes, size, size, NULL, &volume, NULL), ESKEL_OK);
 	eskel_volume_free(volume);
 	memset(bytes, 0, 80);
-	assert_int_equal(decode(bytes, size, size, NULL, &volume, NULL), ESKEL_OK);
+	assert_int_equal(volume_decode(bytes, size, size, NULL, &volume, NULL), ESKEL_OK);
 	eskel_volume_free(volume);
 	free(bytes);
 	mesh_free(&mesh);
@@ -411,7 +394,7 @@ static void assert_refused(
 	for (int p = 0; p < 3; p++) {
 		eskel_error error = {0};
 		eskel_volume *volume;
-		eskel_status got = decode(bytes, size, pieces[p], options, &volume, &error);
+		eskel_status got = volume_decode(bytes, size, pieces[p], options, &volume, &error);
 		if (got != status || error.status != status || strcmp(error.text, text) != 0)
 			fail_msg("%s: %s\nexpected %s: %s", eskel_status_text(got), error.text,
 				eskel_status_text(status), text);

@@ -7,6 +7,7 @@
 
 #include "eskel.h"
 #include "nifti_file.h"
+#include "volume_decode.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,32 +17,23 @@
 enum { nx = 17, ny = 12, nz = 9, voxel_count = nx * ny * nz, float32 = 16, float64 = 64, uint8 = 2 };
 
 static eskel_status decode(
-	const double *values, int datatype, int pieces, size_t most_runs, eskel_volume **volume, eskel_error *error)
+	const double *values, int datatype, size_t piece, size_t most_runs, eskel_volume **volume, eskel_error *error)
 {
 	const nifti_file file = nifti_file_new(1, false, datatype, nx, ny, nz);
 	const eskel_volume_options options = {.weights = true, .most_runs = most_runs};
 	size_t size;
 	uint8_t *bytes = nifti_file_write(&file, values, voxel_count, &size);
-	eskel_volume *v = NULL;
-	assert_int_equal(eskel_volume_new(&options, &v), ESKEL_OK);
-	eskel_status status = ESKEL_OK;
-	for (size_t at = 0; at < size && status == ESKEL_OK; at += (size_t)pieces) {
-		const size_t left = size - at, piece = left < (size_t)pieces ? left : (size_t)pieces;
-		status = eskel_volume_feed(v, bytes + at, piece, error);
-	}
-	if (status == ESKEL_OK)
-		status = eskel_volume_finish(v, error);
+	const eskel_status status = volume_decode(bytes, size, piece, &options, volume, error);
 	free(bytes);
-	*volume = v;
 	return status;
 }
 
-static eskel_cloud *cloud_of(const double *values, int datatype, int pieces)
+static eskel_cloud *cloud_of(const double *values, int datatype, size_t piece)
 {
 	eskel_volume *volume;
 	eskel_error error = {0};
 	eskel_cloud *cloud;
-	if (decode(values, datatype, pieces, 0, &volume, &error) != ESKEL_OK)
+	if (decode(values, datatype, piece, 0, &volume, &error) != ESKEL_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(eskel_volume_label_count(volume), 1);
 	assert_int_equal(eskel_volume_label(volume, 0), 1);
@@ -109,7 +101,7 @@ static void the_unit_of_weights_and_the_cut_of_the_file_do_not_matter(void **sta
 	fill_ball(values, 1);
 	eskel_cloud *expected = cloud_of(values, float64, 1 << 20);
 	assert_non_null(expected->weights);
-	for (int pieces = 7; pieces < 2000; pieces = 3 * pieces + 2) {
+	for (size_t pieces = 7; pieces < 2000; pieces = 3 * pieces + 2) {
 		eskel_cloud *cloud = cloud_of(values, float64, pieces);
 		assert_same(expected, cloud);
 		eskel_cloud_free(cloud);
