@@ -11,11 +11,11 @@
  * the signature follows the grid more than the object. */
 #define FEW_VOXELS 1000
 
-/* The longest edge of a voxel by its shortest. The talus of the tests at .5 x .5 x 1.5 mm is at a distance of .036 from its
- * other self, a tenth of that from another talus. */
+/* The longest edge of a voxel by its shortest. With edges of one to two (.8 x .8 x 1.6 mm) the talus of the tests is at a
+ * distance of .036 from itself in cubic voxels and .198 from the other talus of the same person, so that is no reason. */
 #define ANISOTROPIC 2.5
 
-/* Between two axes of the grid, degrees off the right angle. Rounded directions are off by less than a hundredth. */
+/* Between two axes of the grid, degrees off the right angle. Directions rounded to four digits are off by less than .01. */
 #define OBLIQUE .5
 
 /* The volume's own and one for each kind that a label may add. */
