@@ -110,7 +110,7 @@ bool esk_jobs_remove(esk_jobs *jobs, const char *id, esk_problem *problem)
 /* Queues a job again whose answer is not what it was. */
 static bool repeat(esk_jobs *jobs, const char *id, esk_problem *problem)
 {
-	eskel_store_error error;
+	eskel_store_error error = {0};
 	eskel_store_status status = ESKEL_STORE_OK;
 	pthread_mutex_lock(&jobs->changing);
 	const size_t i = esk_jobs_place_of(jobs, id);
@@ -120,10 +120,11 @@ static bool repeat(esk_jobs *jobs, const char *id, esk_problem *problem)
 		status = esk_jobs_start(jobs) ? esk_jobs_settle(jobs, e, &again, &error) : ESKEL_STORE_NO_MEMORY;
 	}
 	pthread_mutex_unlock(&jobs->changing);
-	return e && esk_problem_store(problem, status, &error)
-		       ? esk_problem_set(problem, 409,
-				 "the result was damaged; the job is done again, ask for its state until then")
-		       : esk_problem_no_job(problem, id);
+	if (!e)
+		return esk_problem_no_job(problem, id);
+	return esk_problem_store(problem, status, &error) &&
+	       esk_problem_set(
+		       problem, 409, "the result was damaged; the job is done again, ask for its state until then");
 }
 
 bool esk_jobs_result(esk_jobs *jobs, const char *id, int *descriptor, esk_problem *problem)

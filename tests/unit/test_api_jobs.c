@@ -7,9 +7,11 @@
 #include "api/client.h"
 #include "store_sample.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -360,6 +362,38 @@ static void a_result_that_is_damaged_or_gone_is_made_again(void **state)
 	free(path);
 }
 
+/* As long as no file may grow, as on a disk that fails. */
+static int status_without_writing(eskel_api *api, const char *path)
+{
+	struct rlimit before, none;
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+	none = (struct rlimit){.rlim_cur = 0, .rlim_max = before.rlim_max};
+	signal(SIGXFSZ, SIG_IGN);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+	eskel_exchange *exchange =
+		eskel_api_begin(api, &(eskel_request){.method = "GET", .path = path, .role = ESKEL_ROLE_READ});
+	assert_non_null(exchange);
+	eskel_exchange_finish(exchange);
+	const int status = eskel_exchange_response(exchange)->status;
+	eskel_exchange_free(exchange);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+	return status;
+}
+
+static void a_job_that_cannot_be_queued_again_is_not_called_unknown(void **state)
+{
+	api_fixture *f = *state;
+	char id[ESKEL_ID_SIZE], target[64];
+	begin(f->api, "/distances", id);
+	answer done = wait_for(f->api, id);
+	char *path = result_path(f, id);
+	assert_int_equal(unlink(path), 0);
+	snprintf(target, sizeof target, "/jobs/%s/result", id);
+	assert_int_equal(status_without_writing(f->api, target), 500);
+	answer_free(&done);
+	free(path);
+}
+
 static void files_that_belong_to_no_job_are_swept(void **state)
 {
 	api_fixture *f = *state;
@@ -448,6 +482,7 @@ int main(void)
 		api_test(jobs_are_in_their_state_after_a_restart),
 		api_test(a_negotiated_format_is_remembered),
 		api_test(a_result_that_is_damaged_or_gone_is_made_again),
+		api_test(a_job_that_cannot_be_queued_again_is_not_called_unknown),
 		api_test(files_that_belong_to_no_job_are_swept),
 		api_test(a_job_that_brings_the_server_down_is_not_begun_for_ever),
 		api_test(results_have_only_so_much_room),
