@@ -77,12 +77,27 @@ static void an_open_mesh_is_refused_with_where_it_is_open(void **state)
 	mesh_free(&mesh);
 }
 
+/* The lattice has its origin in the middle of the box, which is a ring's hole. */
+static void a_step_that_leaps_over_the_surface_is_refused(void **state)
+{
+	api_fixture *f = *state;
+	mesh_file mesh = mesh_torus(20, 5, 40);
+	answer ring = post_mesh(f->api, &mesh, MESH_STL_BINARY, "/shapes?spacing=1");
+	assert_status(&ring, 201);
+	answer a = get(f->api, "/shapes/%s/mesh?step=1000", text_at(&ring, "shapes.0.id"));
+	assert_says(&a, 422, "no surface was met from 16 seeds");
+	answer_free(&a);
+	answer_free(&ring);
+	mesh_free(&mesh);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		api_test(a_mesh_is_a_volume_with_one_label),
 		api_test(spacing_is_that_of_the_voxels),
 		api_test(an_open_mesh_is_refused_with_where_it_is_open),
+		api_test(a_step_that_leaps_over_the_surface_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
