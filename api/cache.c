@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct esk_cache {
 	eskel_folder *folder;
@@ -151,7 +152,17 @@ static void make_room(esk_cache *cache, uint64_t bytes)
 	free(l.files);
 }
 
-static bool write_file(esk_cache *cache, const char *name, const void *bytes, size_t size)
+static bool is_there(const esk_cache *cache, const char *name)
+{
+	int descriptor;
+	uint64_t size;
+	if (eskel_file_open(cache->folder, name, false, &descriptor, &size, NULL) != ESKEL_STORE_OK)
+		return false;
+	close(descriptor);
+	return true;
+}
+
+static bool write_file(const esk_cache *cache, const char *name, const void *bytes, size_t size)
 {
 	eskel_file *written = NULL;
 	if (eskel_file_create(cache->folder, name, &written, NULL) != ESKEL_STORE_OK)
@@ -162,18 +173,18 @@ static bool write_file(esk_cache *cache, const char *name, const void *bytes, si
 	return false;
 }
 
+/* Under the lock to the end: a listing takes a file that is half written for what a crash has left, and counts none that is
+ * to come. */
 void esk_cache_put(esk_cache *cache, const char *name, const void *bytes, size_t size)
 {
 	if (size > cache->most_bytes)
 		return;
 	pthread_mutex_lock(&cache->lock);
-	if (cache->bytes + size > cache->most_bytes)
-		make_room(cache, (cache->most_bytes - size) / 10 * 9);
-	cache->bytes += size;
-	pthread_mutex_unlock(&cache->lock);
-	if (write_file(cache, name, bytes, size))
-		return;
-	pthread_mutex_lock(&cache->lock);
-	cache->bytes -= size < cache->bytes ? size : cache->bytes;
+	if (!is_there(cache, name)) {
+		if (cache->bytes + size > cache->most_bytes)
+			make_room(cache, (cache->most_bytes - size) / 10 * 9);
+		if (write_file(cache, name, bytes, size))
+			cache->bytes += size;
+	}
 	pthread_mutex_unlock(&cache->lock);
 }

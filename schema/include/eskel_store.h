@@ -277,7 +277,7 @@ ESKEL_API eskel_store_status eskel_folder_open(eskel_store *store, const char *n
 	eskel_store_error *error);
 ESKEL_API void eskel_folder_close(eskel_folder *folder);
 /* Shows each file, in no order, and when it was last written or touched, Unix nanoseconds; false removes it. size is without
- * the digest. */
+ * the digest. Removes what is half written, too: the caller sees to it that nobody is writing. */
 ESKEL_API eskel_store_status eskel_folder_each(eskel_folder *folder,
 	bool (*keep)(void *context, const char *name, uint64_t size, int64_t used), void *context,
 	eskel_store_error *error);

@@ -9,6 +9,8 @@
 #include "store_fixture.h"
 #include "store_sample.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,12 +116,52 @@ static void damage_is_dropped_and_names_go_together(void **state)
 	free(file);
 }
 
+enum { FILES = 60 };
+
+typedef struct {
+	esk_cache *cache;
+	atomic_bool ended;
+} writer;
+
+static void *write_files(void *context)
+{
+	writer *w = context;
+	char name[30];
+	for (int i = 0; i < FILES; i++) {
+		snprintf(name, sizeof name, "y-%d", i);
+		esk_cache_put(w->cache, name, bytes, SIZE);
+	}
+	atomic_store(&w->ended, true);
+	return NULL;
+}
+
+static void what_is_being_written_is_not_swept(void **state)
+{
+	store_fixture *f = *state;
+	pthread_t thread;
+	char name[30];
+	writer w = {.cache = open_cache(f, FILES * SIZE)};
+	esk_cache_put(w.cache, "y-0", bytes, SIZE);
+	assert_int_equal(pthread_create(&thread, NULL, write_files, &w), 0);
+	while (!atomic_load(&w.ended))
+		esk_cache_drop(w.cache, "x-");
+	assert_int_equal(pthread_join(thread, NULL), 0);
+	for (int i = 0; i < FILES; i++) {
+		snprintf(name, sizeof name, "y-%d", i);
+		assert_true(has(w.cache, name));
+	}
+	esk_cache_put(w.cache, "y-0", bytes, SIZE); /* is there, and needs no room */
+	assert_true(has(w.cache, "y-1"));
+	esk_cache_close(w.cache);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		store_test(what_was_not_used_for_longest_goes_first),
 		store_test(what_cannot_be_kept_is_not_there_and_harms_nothing),
 		store_test(damage_is_dropped_and_names_go_together),
+		store_test(what_is_being_written_is_not_swept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
