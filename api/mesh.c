@@ -198,6 +198,16 @@ static bool answer_bytes(eskel_exchange *exchange, const request *r, esk_text *f
 	return esk_exchange_answer(exchange, status, type, file->bytes, (size_t)part.size);
 }
 
+/* A shape that was deleted while its mesh was made leaves nothing: whichever comes last, the deletion or this, drops it. */
+static void keep_file(const eskel_exchange *exchange, const request *r, const esk_text *file)
+{
+	eskel_shape shape = {0};
+	esk_cache_put(exchange->api->meshes, r->name, file->bytes, file->size);
+	if (eskel_store_shape(exchange->api->store, exchange->id, &shape, NULL) != ESKEL_STORE_OK)
+		esk_cache_drop(exchange->api->meshes, exchange->id);
+	eskel_shape_clear(&shape);
+}
+
 static bool answer(eskel_exchange *exchange, const request *r)
 {
 	esk_cache *meshes = exchange->api->meshes;
@@ -213,7 +223,7 @@ static bool answer(eskel_exchange *exchange, const request *r)
 		free(file.bytes);
 		return false;
 	}
-	esk_cache_put(meshes, r->name, file.bytes, file.size);
+	keep_file(exchange, r, &file);
 	return answer_bytes(exchange, r, &file);
 }
 

@@ -9,6 +9,7 @@
 #include "store_sample.h"
 
 #include <dirent.h>
+#include <pthread.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -247,6 +248,33 @@ static void levels_of_detail_are_staircases(void **state)
 	answer_free(&usual);
 }
 
+static void *ask_for_mesh(void *context)
+{
+	answer a = get_mesh(context, "?format=obj");
+	const bool expected = a.status == 200 || a.status == 404;
+	answer_free(&a);
+	return expected ? NULL : context;
+}
+
+static void a_mesh_that_is_made_while_its_shape_goes_is_not_kept(void **state)
+{
+	for (long delay = 0; delay < 10; delay++) {
+		shape s = enroll(state);
+		char target[64];
+		pthread_t thread;
+		void *wrong = NULL;
+		snprintf(target, sizeof target, "/shapes/%s", s.id);
+		assert_int_equal(pthread_create(&thread, NULL, ask_for_mesh, &s), 0);
+		nanosleep(&(struct timespec){.tv_nsec = 1000000 * delay}, NULL);
+		answer gone = ask(s.f->api, &(question){.method = "DELETE", .target = target});
+		assert_status(&gone, 204);
+		assert_int_equal(pthread_join(thread, &wrong), 0);
+		assert_null(wrong);
+		assert_int_equal(kept(s.f), 0);
+		answer_free(&gone);
+	}
+}
+
 static void what_cannot_be_drawn_is_refused(void **state)
 {
 	const shape s = enroll(state);
@@ -416,6 +444,7 @@ int main(void)
 		api_test(a_mesh_goes_with_its_shape),
 		api_test(ellipsoids_are_those_of_the_skeleton),
 		api_test(levels_of_detail_are_staircases),
+		api_test(a_mesh_that_is_made_while_its_shape_goes_is_not_kept),
 		api_test(what_cannot_be_drawn_is_refused),
 		api_test(a_fit_is_a_job_and_is_stored),
 		api_test(another_fit_takes_the_place_of_the_last_and_goes_with_the_shape),
