@@ -1,5 +1,6 @@
-/* Files beside the database: written under a temporary name, synced, renamed, and the folder synced. The digest stands
- * behind the bytes, so that these start at the file's start and are hashed as they come. */
+/* Files beside the database: written under a temporary name, synced, renamed, and the folder synced, as is the one that it
+ * stands in when it is made. The digest stands behind the bytes, so that these start at the file's start and are hashed as
+ * they come. */
 #include "file.h"
 #include "sha256.h"
 #include "status.h"
@@ -53,11 +54,23 @@ static bool is_unfinished(const char *name)
 	return length > end && strcmp(name + length - end, unfinished) == 0;
 }
 
+/* A name is on disk when the folder that it stands in is. */
+static eskel_store_status sync_name(const eskel_folder *folder, eskel_store_error *error)
+{
+	const int parent = openat(folder->directory, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	const bool synced = parent >= 0 && fsync(parent) == 0;
+	const eskel_store_status status = synced ? ESKEL_STORE_OK : fail(error, folder, "synced");
+	if (parent >= 0)
+		close(parent);
+	return status;
+}
+
 /* A folder that somebody else has put there is not ours to write into. */
 static eskel_store_status open_directory(eskel_folder *folder, eskel_store_error *error)
 {
 	struct stat is;
-	if (mkdir(folder->path, 0700) != 0 && errno != EEXIST)
+	const bool made = mkdir(folder->path, 0700) == 0;
+	if (!made && errno != EEXIST)
 		return fail(error, folder, "made");
 	folder->directory = open(folder->path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 	if (folder->directory < 0 || fstat(folder->directory, &is) != 0)
@@ -66,7 +79,7 @@ static eskel_store_status open_directory(eskel_folder *folder, eskel_store_error
 		return esk_status_fail(error, ESKEL_STORE_FOREIGN,
 			"%s belongs to user %u and has the mode %03o, expected user %u and mode 700", folder->path,
 			(unsigned)is.st_uid, (unsigned)is.st_mode & 0777, (unsigned)geteuid());
-	return ESKEL_STORE_OK;
+	return made ? sync_name(folder, error) : ESKEL_STORE_OK;
 }
 
 static bool keep_all(void *context, const char *name, uint64_t size, int64_t used)
