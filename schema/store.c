@@ -15,7 +15,7 @@
 
 static const uint64_t default_least_free_bytes = UINT64_C(64) << 20;
 
-/* Every table but the three of blobs: those are most of the file, minutes for a million shapes, and each blob is
+/* Every table but the four of blobs: those are most of the file, minutes for a million shapes, and each blob is
  * verified when it is read. */
 static const char *const quick_checks[] = {
 	"PRAGMA quick_check(shape)",
