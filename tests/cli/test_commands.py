@@ -305,7 +305,8 @@ class Commands(Served):
         self.assertEqual(self.eskel("show", "--server", self.url + "/").returncode, 0)
 
     def test_what_is_no_eskeld_is_exit_code_3(self):
-        self.assert_run(self.eskel("show", "--server", self.url + "/healthz#"), 3, "is not one of eskeld's")
+        for command in (["show"], ["job", "0" * 32]):
+            self.assert_run(self.eskel(*command, "--server", self.url + "/healthz#"), 3, "is not one of eskeld's")
 
 
 class Tables(Served):
