@@ -105,16 +105,22 @@ esk_outcome esk_session_send(esk_session *session, const esk_request *request, c
 	return outcome;
 }
 
+/* The end of a request whose answer went elsewhere. */
+static esk_outcome judge_sent(const char *source, esk_outcome outcome, esk_answer *got)
+{
+	if (!outcome)
+		outcome = judge(source, got);
+	if (!outcome)
+		free(got->body);
+	return outcome;
+}
+
 esk_outcome esk_session_download(esk_session *session, const esk_request *request, const char *source, const char *path)
 {
 	esk_answer got = {0};
 	esk_progress_next(&session->progress, source);
-	esk_outcome outcome = esk_client_download(session->client, request, path, &got);
-	if (!outcome)
-		outcome = judge(source, &got);
-	if (!outcome)
-		free(got.body);
-	return outcome;
+	const esk_outcome outcome = esk_client_download(session->client, request, path, &got);
+	return judge_sent(source, outcome, &got);
 }
 
 esk_outcome esk_session_listen(esk_session *session, const esk_request *request, const char *source,
@@ -122,12 +128,8 @@ esk_outcome esk_session_listen(esk_session *session, const esk_request *request,
 {
 	esk_answer got = {0};
 	esk_progress_next(&session->progress, source);
-	esk_outcome outcome = esk_client_listen(session->client, request, line, context, &got);
-	if (!outcome)
-		outcome = judge(source, &got);
-	if (!outcome)
-		free(got.body);
-	return outcome;
+	const esk_outcome outcome = esk_client_listen(session->client, request, line, context, &got);
+	return judge_sent(source, outcome, &got);
 }
 
 esk_outcome esk_session_take(esk_session *session, const char *source, const char *json, size_t size)
