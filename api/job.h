@@ -2,8 +2,9 @@
  *
  * Jobs run one after the other, oldest first, for each uses all processors. They are rows of the store, and their answers
  * files in a folder beside it, so they outlive the process: a job that was accepted and has not ended is begun anew after
- * a restart, however the server went. That is harmless: it answers a GET, or makes again what is stored in one place. One that was begun ESK_JOB_STARTS
- * times and each time was there when the server was killed or fell has failed, lest it bring it down for ever.
+ * a restart, however the server went. That is harmless: it answers a GET, or makes again what is stored in one place. One
+ * that was begun ESK_JOB_STARTS times and each time was there when the server was killed or fell has failed, lest it bring
+ * it down for ever.
  *
  * When there are ESK_JOBS_MOST, a new one takes the place of the one that ended first; when the answers together need more
  * than most_result_bytes, those that ended first are forgotten. An answer that is damaged or gone is made again. */
@@ -42,8 +43,8 @@ void esk_jobs_begin(esk_jobs *jobs);
 /* Breaks off the one that runs, which stays queued in the store. */
 void esk_jobs_free(esk_jobs *jobs);
 
-/* A job that answers a request of its own with the exchange's query; when it returns true, it is on disk. 503 when all ESK_JOBS_MOST
- * are still to run. */
+/* A job that answers a request of its own with the exchange's query; when it returns true, it is on disk. 503 when all
+ * ESK_JOBS_MOST are still to run. */
 bool esk_jobs_add(esk_jobs *jobs, eskel_exchange *exchange, const char *method, const char *path, esk_job *job);
 
 /* Writes at most ESK_JOBS_MOST, oldest first; how many. */

@@ -1,4 +1,5 @@
-/* {"method": "GET", "path": "/distances", "role": 1, "query": [["class", "femur"], ...], "accept": "text/csv"}, see job_request.h. */
+/* {"method": "GET", "path": "/distances", "role": 1, "query": [["class", "femur"], ...], "accept": "text/csv"}, see
+ * job_request.h. */
 #include "job_request.h"
 
 #include <stdlib.h>

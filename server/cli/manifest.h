@@ -1,9 +1,9 @@
 /* A table (csv.h) of files and what is said of them, a row a file, or a row a label of a file.
  *
  * The columns, in any order: path, below the table's folder; label; name, class, side, of the label or of all; subject,
- * age, sex, levels, weights (true, where voxels are weights) and attr.KEY, of all labels that are posted together. id, and the other columns that an export writes,
- * are not posted, but tell what an answer should say. Any other column is refused, and so is a path that leads out of the
- * folder, or one that is there twice with the same label. */
+ * age, sex, levels, weights (true, where voxels are weights) and attr.KEY, of all labels that are posted together. id, and
+ * the other columns that an export writes, are not posted, but tell what an answer should say. Any other column is refused,
+ * and so is a path that leads out of the folder, or one that is there twice with the same label. */
 #ifndef ESK_MANIFEST_H
 #define ESK_MANIFEST_H
 
