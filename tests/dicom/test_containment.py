@@ -102,6 +102,7 @@ write(repr(done).encode() if done else GOOD)
                 ("write(GOOD[:305])\nimport signal\nsignal.alarm(1)", "breaks off"),
                 ("write(b'\\x08\\0\\x16\\0UI\\xff\\xff')\nwrite(b'1' * 70000)", "has 65535 bytes, expected at most 4096"),
                 ("write(b'\\x62\\0\\x02\\0SQ\\0\\0\\xff\\xff\\xff\\xff')", "(0062,0002) has no length"),
+                ("write(b'\\x62\\0\\x02\\0SQ\\0\\0\\0\\0\\0\\x10')", "has more than 268435456 bytes before its pixel data"),
                 ("write(b'\\xe0\\x7f\\x10\\0OW\\0\\0\\xff\\xff\\xff\\xff')", "its pixels are compressed"),
                 ("write(b'\\x62\\0\\x02\\0SQ\\0\\0\\x08\\0\\0\\0' + b'\\xfe\\xff\\0\\xe0\\xff\\0\\0\\0' * 2)",
                  "longer than the sequence"),
