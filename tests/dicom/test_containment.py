@@ -90,6 +90,14 @@ write(repr(done).encode() if done else GOOD)
         self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 5 << 19)  # KiB
         self.assertLess(time.monotonic() - before, 50)
 
+    def test_without_descriptors_it_is_refused_at_once(self):
+        before = time.monotonic()
+        for most in (6, 7):  # three, the file, its copy without a name and one end of the pipe, or both
+            few = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+            self.assertEqual(f"{self.folder.name}/tool could not be started: Too many open files",
+                             Reading(self.path, self.tool("write(GOOD)"), preexec_fn=few).refusal)
+        self.assertLess(time.monotonic() - before, 50)
+
     def test_garbage_is_refused(self):
         for script, sentence in (
                 ("pass", "no pixel data"),
