@@ -17,8 +17,6 @@
 #include "solid_volume.h"
 #include "voxel_runs.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,16 +59,6 @@ struct eskel_volume {
 	esk_solid_reader *solid; /* NULL: no mesh */
 	const esk_label_table *labels;
 };
-
-void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
-{
-	eskel_warning *warning = &info->warnings[info->warning_count++];
-	va_list arguments;
-	va_start(arguments, format);
-	warning->code = code;
-	vsnprintf(warning->text, sizeof warning->text, format, arguments);
-	va_end(arguments);
-}
 
 eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume **volume)
 {
@@ -238,7 +226,7 @@ static eskel_status check_size(const eskel_volume *v, eskel_error *error)
 		return esk_error_set(error, ESKEL_BAD_GEOMETRY,
 			"the spacing of %g mm is for meshes, a %s file has its own: expected none", v->spacing,
 			v->header.info.format);
-	eskel_status status = esk_solid_volume_check_extent(extent, v->limits.voxels, error);
+	eskel_status status = esk_volume_check_extent(extent, v->limits.voxels, error);
 	if (status != ESKEL_OK)
 		return status;
 	if (voxels * v->header.layer_count > v->limits.voxels)
