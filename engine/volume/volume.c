@@ -25,8 +25,8 @@ static const size_t default_most_runs = (size_t)1 << 27;
 static const uint32_t default_most_labels = 4096;
 
 /* What a few kilobytes can unfold to is decoded in seconds, whatever it is: inflating runs at gigabytes a second, but
- * bzip2 and text do not. */
-static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30, most_text_bytes = (uint64_t)1 << 28;
+ * bzip2 and text (number_text.c) do not. */
+static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30;
 
 enum { shortest_header = 4, largest_footer = 1 << 20 };
 
@@ -51,7 +51,6 @@ struct eskel_volume {
 
 	esk_decompressor *voxels; /* NULL: the voxels are not compressed behind the header */
 	esk_number_text text;
-	uint64_t text_bytes;
 	uint64_t bytes_left; /* of the present phase: before the voxels, of the voxels as they are decoded */
 	esk_voxel_runs *runs;
 	uint8_t *footer_bytes;
@@ -139,34 +138,6 @@ static eskel_status begin_decompression(
 	return ESKEL_OK;
 }
 
-static eskel_status take_numbers(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	enum { most_numbers = 512 };
-	double numbers[most_numbers];
-	eskel_status read;
-	size_t count;
-	do {
-		read = esk_number_text_read(&v->text, &bytes, &size, numbers, most_numbers, &count, error);
-		eskel_status status = take_voxels(v, (const uint8_t *)numbers, count * sizeof *numbers, error);
-		if (status != ESKEL_OK)
-			return status;
-	} while (read == ESKEL_OK && count == most_numbers);
-	return read;
-}
-
-static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	const uint64_t left = most_text_bytes - v->text_bytes;
-	const size_t taken = left < size ? (size_t)left : size;
-	eskel_status status = take_numbers(v, bytes, taken, error);
-	v->text_bytes += taken;
-	if (status == ESKEL_OK && taken < size)
-		status = esk_error_set(error, ESKEL_TOO_LARGE,
-			"the voxels take more than %llu bytes of text, expected another encoding for so many",
-			(unsigned long long)most_text_bytes);
-	return status;
-}
-
 static eskel_status begin_voxels(eskel_volume *v, eskel_error *error)
 {
 	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
@@ -191,7 +162,9 @@ static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size
 		return status;
 	if (v->voxels)
 		return esk_decompressor_feed(v->voxels, bytes, size, take_voxels, v, error);
-	return v->header.text ? take_text(v, bytes, size, error) : take_voxels(v, bytes, size, error);
+	if (v->header.text)
+		return esk_number_text_feed(&v->text, bytes, size, take_voxels, v, error);
+	return take_voxels(v, bytes, size, error);
 }
 
 static eskel_status refuse_format(const eskel_volume *v, eskel_error *error)
@@ -433,9 +406,8 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 {
 	if (volume->phase == FINISHED || volume->error.status != ESKEL_OK)
 		return report(volume, error);
-	/* A blank ends the last number of a text. */
 	if (volume->phase == IN_VOXELS && volume->header.text)
-		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
+		esk_number_text_finish(&volume->text, take_voxels, volume, &volume->error);
 	if (volume->error.status == ESKEL_OK)
 		check_complete(volume, &volume->error);
 	if (volume->error.status == ESKEL_OK && volume->solid)
