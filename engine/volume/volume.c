@@ -171,9 +171,8 @@ static eskel_status refuse_format(const eskel_volume *v, eskel_error *error)
 {
 	const uint8_t *bytes = v->header_bytes;
 	return esk_error_set(error, ESKEL_NOT_VOLUME,
-		"the file begins with %02x %02x %02x %02x, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH file, "
-		"or "
-		"an STL, PLY or OBJ mesh",
+		"the file begins with %02x %02x %02x %02x, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH "
+		"file, or an STL, PLY or OBJ mesh",
 		bytes[0], bytes[1], bytes[2], bytes[3]);
 }
 
