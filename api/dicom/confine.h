@@ -10,7 +10,7 @@
  *   - is killed when the thread that forked ends;
  *   - has 2 GiB of memory, a minute of a processor, 32 open files, and writes to no file that is not open;
  *   - starts no process or thread, and has no system calls but those that a filter needs: no socket, no signal;
- *   - sees of the file system what lies in /usr, and program.
+ *   - sees of the file system what lies in /usr, the loader's cache, and program.
  * The last two hold where the kernel can do it (seccomp; Landlock, Linux 5.13), which it need not. False when something
  * else failed. */
 bool esk_confine(const char *program);

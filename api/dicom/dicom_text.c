@@ -37,7 +37,7 @@ void esk_dicom_text(const uint8_t *bytes, size_t size, const char *character_set
 enum { longest_number = 32, most_numbers = 6 };
 
 /* What strtod takes beyond a decimal string begins with other characters: inf, nan, 0x. A point is a point because no
- * program here sets a locale. */
+ * program here sets a locale for numbers. */
 static bool take_decimal(const char *text, double *number)
 {
 	char *end;

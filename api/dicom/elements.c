@@ -63,13 +63,13 @@ static eskel_status read_head(walk *w, head *h)
 		.size = extended ? little_endian(bytes + 8, 4) : little_endian(bytes + 6, 2),
 		.sequence = memcmp(bytes + 4, "SQ", 2) == 0};
 	esk_window_take(w->window, extended ? 12 : 8);
-	if (w->window->taken > most_bytes)
-		return esk_refuse(w->error, ESKEL_TOO_LARGE,
-			"the DICOM file has more than %llu bytes before its pixel data",
-			(unsigned long long)most_bytes);
 	if (h->size == UNDEFINED)
 		return esk_refuse(w->error, ESKEL_UNSUPPORTED, "DICOM element (%04x,%04x) has no length%s",
 			h->tag >> 16, h->tag & 0xffff, h->tag == ESK_PIXEL_DATA ? ": its pixels are compressed" : "");
+	if (h->tag != ESK_PIXEL_DATA && w->window->taken + h->size > most_bytes)
+		return esk_refuse(w->error, ESKEL_TOO_LARGE,
+			"the DICOM file has more than %llu bytes before its pixel data",
+			(unsigned long long)most_bytes);
 	return ESKEL_OK;
 }
 

@@ -48,17 +48,28 @@ static void run(const char *program, const char *const *arguments, int file, int
 
 /* ---- the parent */
 
+static void end_process(pid_t process)
+{
+	if (process <= 0)
+		return;
+	kill(process, SIGKILL);
+	waitpid(process, NULL, 0);
+}
+
 static eskel_status start(const char *program, const char *const *arguments, int file, const int pipe_ends[2],
 	esk_tool *tool, eskel_error *error)
 {
 	const pid_t process = fork();
 	if (process == 0)
 		run(program, arguments, file, pipe_ends[1]);
-	if (process < 0)
-		return esk_refuse(error, ESKEL_NO_MEMORY, "%s could not be started: %s", program, strerror(errno));
+	const int ending = process > 0 ? pidfd_open(process, 0) : -1;
+	if (ending < 0) {
+		esk_refuse(error, ESKEL_NO_MEMORY, "%s could not be started: %s", program, strerror(errno));
+		end_process(process);
+		return ESKEL_NO_MEMORY;
+	}
 	setpgid(process, process);
-	*tool = (esk_tool){
-		.program = program, .process = process, .ending = pidfd_open(process, 0), .output = pipe_ends[0]};
+	*tool = (esk_tool){.program = program, .process = process, .ending = ending, .output = pipe_ends[0]};
 	clock_gettime(CLOCK_MONOTONIC, &tool->deadline);
 	tool->deadline.tv_sec += seconds;
 	return ESKEL_OK;
@@ -116,13 +127,12 @@ static eskel_status await_end(esk_tool *tool, eskel_error *error)
 	if (waitpid(tool->process, &how, 0) != tool->process)
 		how = 1;
 	tool->process = 0;
-	if (WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU)
+	if (how != 0 && milliseconds_left(tool) == 0) /* the minute of a processor (confine.h) is over no sooner */
 		return refuse_late(tool, error);
 	return how == 0 ? ESKEL_OK
 			: esk_refuse(error, ESKEL_MALFORMED,
-				  "%s could not decode the DICOM file: it is damaged, needs more than 2 GiB of memory, "
-				  "or "
-				  "is compressed other than by deflation, or by run lengths of whole bytes",
+				  "%s could not decode the DICOM file: it is damaged, needs more than 2 GiB of "
+				  "memory, or is compressed other than by deflation, or by run lengths of whole bytes",
 				  tool->program);
 }
 
@@ -141,12 +151,7 @@ eskel_status esk_tool_read(void *source, uint8_t *bytes, size_t most, size_t *go
 
 void esk_tool_end(esk_tool *tool)
 {
-	if (tool->process > 0) {
-		kill(tool->process, SIGKILL);
-		waitpid(tool->process, NULL, 0);
-	}
-	if (tool->ending >= 0)
-		close(tool->ending);
-	if (tool->output >= 0)
-		close(tool->output);
+	end_process(tool->process);
+	close(tool->ending);
+	close(tool->output);
 }

@@ -10,8 +10,8 @@
 typedef struct {
 	const char *program;
 	pid_t process; /* 0: none */
-	int ending;    /* that tells the process's end; -1: none */
-	int output;    /* the pipe; -1: none */
+	int ending;    /* that tells the process's end */
+	int output;    /* the pipe */
 	struct timespec deadline;
 } esk_tool;
 

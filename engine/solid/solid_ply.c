@@ -107,7 +107,7 @@ static eskel_status take_value(esk_solid_reader *reader, double value, eskel_err
 		else if (property->role != ESK_PLY_OTHER)
 			ply->at[property->role - ESK_PLY_X] = value;
 	}
-	/* A vertex has no list, see check_header. */
+	/* A vertex has no list, see end_header. */
 	if (status == ESKEL_OK && ends_row && ply->elements[ply->element].is_vertex)
 		status = esk_solid_add_vertex(&reader->solid, ply->at, error);
 	step(ply);

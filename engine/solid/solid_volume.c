@@ -16,19 +16,10 @@ static const double about_voxels = 100000;
 /* A share of the mesh's volume. */
 static const double worth_a_warning = 0.01;
 
-eskel_status esk_solid_volume_check_extent(const uint32_t extent[3], uint64_t most, eskel_error *error)
-{
-	const uint64_t voxels = (uint64_t)extent[0] * extent[1] * extent[2]; /* at most 65535 each, so it fits */
-	if (voxels <= most)
-		return ESKEL_OK;
-	return esk_error_set(error, ESKEL_TOO_LARGE, "the grid has %u x %u x %u = %llu voxels, expected at most %llu",
-		extent[0], extent[1], extent[2], (unsigned long long)voxels, (unsigned long long)most);
-}
-
 static eskel_status find_crossings(const esk_solid *solid, const esk_voxelise_grid *grid,
 	const esk_solid_volume_limits *limits, esk_crossings *crossings, eskel_error *error)
 {
-	eskel_status status = esk_solid_volume_check_extent(grid->extent, limits->voxels, error);
+	eskel_status status = esk_volume_check_extent(grid->extent, limits->voxels, error);
 	if (status != ESKEL_OK)
 		return status;
 	/* A run has two crossings, unless parts overlap. */

@@ -10,9 +10,6 @@ typedef struct {
 	size_t runs;
 } esk_solid_volume_limits;
 
-/* ESKEL_TOO_LARGE for a grid of more than most voxels. */
-eskel_status esk_solid_volume_check_extent(const uint32_t extent[3], uint64_t most, eskel_error *error);
-
 /* spacing: of voxels along the axes, mm; 0: about 100,000 voxels on a turned grid (voxelise.h). Writes the grid into info and
  * adds its warnings. ESKEL_EMPTY for a mesh without volume, or that no voxel's centre lies in. */
 eskel_status esk_solid_volume(const esk_solid *solid, esk_solid_space space, double spacing,

@@ -6,7 +6,7 @@
 #include "solid.h"
 
 /* Cubic voxels about the middle of the mesh's box along the axes of the grid. Their centres reach as far as the box, their
- * edges no farther off it than a quarter of a voxel. */
+ * edges no farther off it than a quarter of a voxel; half of one where the box is thinner than that. */
 typedef struct {
 	double axes[3][3]; /* unit vectors */
 	double spacing;    /* mm */

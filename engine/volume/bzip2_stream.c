@@ -39,7 +39,6 @@ static unsigned clamp(size_t size)
 	return size < UINT_MAX ? (unsigned)size : UINT_MAX;
 }
 
-/* One call of libbz2: until the input or the room for output is used up, or the stream ends. */
 static eskel_status decode_some(esk_bzip2_stream *s, const uint8_t **in, size_t *in_size, uint8_t *out, size_t out_size,
 	size_t *out_used, eskel_error *error)
 {
@@ -67,19 +66,12 @@ static eskel_status decode_some(esk_bzip2_stream *s, const uint8_t **in, size_t 
 eskel_status esk_bzip2_stream_decode(esk_bzip2_stream *stream, const uint8_t **in, size_t *in_size, uint8_t *out,
 	size_t out_size, size_t *out_used, eskel_error *error)
 {
-	eskel_status status = ESKEL_OK;
-	size_t used = 0, written = 0;
-	do {
-		if (stream->complete && *in_size > 0)
-			status = esk_error_set(
-				error, ESKEL_MALFORMED, "byte 0x%02x follows the end of the bzip2 data", **in);
-		else if (!stream->complete) {
-			status = decode_some(stream, in, in_size, out + used, out_size - used, &written, error);
-			used += written;
-		}
-	} while (status == ESKEL_OK && used<out_size && * in_size> 0);
-	*out_used = used;
-	return status;
+	*out_used = 0;
+	if (!stream->complete)
+		return decode_some(stream, in, in_size, out, out_size, out_used, error);
+	return *in_size == 0
+		       ? ESKEL_OK
+		       : esk_error_set(error, ESKEL_MALFORMED, "byte 0x%02x follows the end of the bzip2 data", **in);
 }
 
 bool esk_bzip2_stream_is_complete(const esk_bzip2_stream *stream)

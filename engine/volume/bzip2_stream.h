@@ -10,8 +10,8 @@ eskel_status esk_bzip2_stream_new(esk_bzip2_stream **stream);
 void esk_bzip2_stream_free(esk_bzip2_stream *stream);
 
 /* Decodes some of the *in_size bytes at *in, which it moves past what it took, into out; *out_used receives how many
- * bytes it wrote, also on failure. All input is taken and all output there is written once *out_used < out_size. A block,
- * at most 900,000 bytes, comes out when all of it has come in. */
+ * bytes it wrote, also on failure. All is decoded once *in_size is 0 and *out_used < out_size. A block comes
+ * out when all of it has come in. */
 eskel_status esk_bzip2_stream_decode(esk_bzip2_stream *stream, const uint8_t **in, size_t *in_size, uint8_t *out,
 	size_t out_size, size_t *out_used, eskel_error *error);
 

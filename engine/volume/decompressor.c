@@ -69,7 +69,7 @@ void esk_decompressor_free(esk_decompressor *decompressor)
 	free(decompressor);
 }
 
-static eskel_status fill_window(
+static eskel_status decode_some(
 	esk_decompressor *d, const uint8_t **bytes, size_t *size, size_t *used, eskel_error *error)
 {
 	switch (d->compression) {
@@ -89,12 +89,12 @@ eskel_status esk_decompressor_feed(esk_decompressor *decompressor, const uint8_t
 	eskel_status decoded;
 	size_t used;
 	do {
-		decoded = fill_window(decompressor, &bytes, &size, &used, error);
+		decoded = decode_some(decompressor, &bytes, &size, &used, error);
 		/* What came out before a fault is looked at first, as it would be had it come alone. */
-		eskel_status status = take(taker, decompressor->window, used, error);
+		eskel_status status = used > 0 ? take(taker, decompressor->window, used, error) : ESKEL_OK;
 		if (status != ESKEL_OK)
 			return status;
-	} while (decoded == ESKEL_OK && used == window_size);
+	} while (decoded == ESKEL_OK && (size > 0 || used == window_size));
 	return decoded;
 }
 

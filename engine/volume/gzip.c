@@ -186,19 +186,13 @@ static eskel_status take_data(esk_gzip *g, const uint8_t **in, size_t *in_size, 
 eskel_status esk_gzip_inflate(esk_gzip *g, const uint8_t **in, size_t *in_size, uint8_t *out, size_t out_size,
 	size_t *out_used, eskel_error *error)
 {
-	eskel_status status = ESKEL_OK;
-	size_t used = 0, written = 0;
-	do {
-		if (g->part == DATA) { /* also without input: there may be output that had no room before */
-			status = take_data(g, in, in_size, out + used, out_size - used, &written, error);
-			used += written;
-		} else if (*in_size > 0) {
-			status = take_byte(g, *(*in)++, error);
-			(*in_size)--;
-		}
-	} while (status == ESKEL_OK && used<out_size && * in_size> 0);
-	*out_used = used;
-	return status;
+	*out_used = 0;
+	if (g->part == DATA) /* also without input: there may be output that had no room before */
+		return take_data(g, in, in_size, out, out_size, out_used, error);
+	if (*in_size == 0)
+		return ESKEL_OK;
+	(*in_size)--;
+	return take_byte(g, *(*in)++, error);
 }
 
 bool esk_gzip_is_complete(const esk_gzip *gzip)

@@ -13,7 +13,7 @@ eskel_status esk_gzip_new(esk_gzip **gzip);
 void esk_gzip_free(esk_gzip *gzip);
 
 /* Inflates some of the *in_size bytes at *in, which it moves past what it took, into out; *out_used receives how many
- * bytes it wrote, also on failure. All input is taken and all output there is written once *out_used < out_size. */
+ * bytes it wrote, also on failure. All is inflated once *in_size is 0 and *out_used < out_size. */
 eskel_status esk_gzip_inflate(esk_gzip *gzip, const uint8_t **in, size_t *in_size, uint8_t *out, size_t out_size,
 	size_t *out_used, eskel_error *error);
 

@@ -24,7 +24,8 @@
 #include <string.h>
 #include <strings.h>
 
-enum { most_segments = 4096, longest_name = 194, name_room = longest_name + sizeof " right" };
+/* A name fits what is kept, with the word for a side behind it. */
+enum { name_room = ESK_SEGMENTS_LONGEST_NAME + 1, longest_name = name_room - sizeof " right" };
 
 typedef struct {
 	esk_nrrd_span name, tags;
@@ -64,9 +65,10 @@ static bool take_number(esk_nrrd_span *span, int32_t *number)
 static eskel_status make_room(collection *all, size_t number, eskel_error *error)
 {
 	void *items = all->items;
-	if (number >= most_segments)
+	if (number >= ESK_SEGMENTS_MOST_NAMES)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
-			"the NRRD header describes segment %zu, expected at most %d segments", number, most_segments);
+			"the NRRD header describes segment %zu, expected at most %d segments", number,
+			ESK_SEGMENTS_MOST_NAMES);
 	if (!esk_memory_reserve(&items, &all->capacity, number + 1, sizeof *all->items))
 		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %zu segments", number + 1);
 	all->items = items;

@@ -2,9 +2,9 @@
  * per label.
  *
  * Each stage keeps only what it cannot yet pass on: a decompressor a fixed window, the header stage the header's bytes,
- * the voxel stage the broken-off voxel, or number, at the end of a piece. So memory is bounded by the runs, and the result,
- * including which error a bad file gives, does not depend on how the file was cut: each stage sees every byte before
- * the fault and none after it. (But for two bytes where gzip data break off: see inflater.h.)
+ * the voxel stage (voxel_runs.h) the broken-off voxel, or number, at the end of a piece. So memory is bounded by the
+ * runs, and the result, including which error a bad file gives, does not depend on how the file was cut: each stage sees
+ * every byte before the fault and none after it. (But for two bytes where gzip data break off: see inflater.h.)
  *
  * A further format is one more esk_header_reader (volume_format.h) in the list below. What none of them knows may be a mesh
  * (solid_reader.h): its triangles are gathered, and become runs at the end (solid_volume.h).
@@ -12,16 +12,11 @@
 #include "decompressor.h"
 #include "error.h"
 #include "gzip.h"
-#include "layers.h"
 #include "memory.h"
 #include "number_text.h"
-#include "run_builder.h"
 #include "solid_volume.h"
-#include "volume_format.h"
-#include "weight_builder.h"
+#include "voxel_runs.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,10 +25,10 @@ static const size_t default_most_runs = (size_t)1 << 27;
 static const uint32_t default_most_labels = 4096;
 
 /* What a few kilobytes can unfold to is decoded in seconds, whatever it is: inflating runs at gigabytes a second, but
- * bzip2 and text do not. */
-static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30, most_text_bytes = (uint64_t)1 << 28;
+ * bzip2 and text (number_text.c) do not. */
+static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30;
 
-enum { shortest_header = 4, largest_voxel = 8, largest_footer = 1 << 20 };
+enum { shortest_header = 4, largest_footer = 1 << 20 };
 
 static esk_header_reader *const header_readers[] = {
 	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header};
@@ -56,28 +51,13 @@ struct eskel_volume {
 
 	esk_decompressor *voxels; /* NULL: the voxels are not compressed behind the header */
 	esk_number_text text;
-	uint64_t text_bytes;
 	uint64_t bytes_left; /* of the present phase: before the voxels, of the voxels as they are decoded */
-	uint8_t broken[largest_voxel * ESK_LAYERS_MOST]; /* the first bytes of a voxel that the last piece broke off */
-	size_t broken_size;
-	esk_run_builder *builder;
-	esk_layers *layers;          /* NULL: one, the builder's */
-	esk_weight_builder *weights; /* NULL: voxels are labels */
+	esk_voxel_runs *runs;
 	uint8_t *footer_bytes;
 	size_t footer_size, footer_capacity;
 	esk_solid_reader *solid; /* NULL: no mesh */
 	const esk_label_table *labels;
 };
-
-void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
-{
-	eskel_warning *warning = &info->warnings[info->warning_count++];
-	va_list arguments;
-	va_start(arguments, format);
-	warning->code = code;
-	vsnprintf(warning->text, sizeof warning->text, format, arguments);
-	va_end(arguments);
-}
 
 eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume **volume)
 {
@@ -100,9 +80,7 @@ eskel_status eskel_volume_new(const eskel_volume_options *options, eskel_volume 
 		.voxels = o->most_voxels ? o->most_voxels : default_most_voxels,
 		.runs = limits.most_runs,
 	};
-	eskel_status status = esk_run_builder_new(&limits, o->labels, o->label_count, &v->builder);
-	if (status == ESKEL_OK && o->weights)
-		status = esk_weight_builder_new(limits.most_runs, &v->weights);
+	eskel_status status = esk_voxel_runs_new(&limits, o->labels, o->label_count, o->weights, &v->runs);
 	if (status != ESKEL_OK) {
 		eskel_volume_free(v);
 		return status;
@@ -119,47 +97,10 @@ void eskel_volume_free(eskel_volume *volume)
 	esk_decompressor_free(volume->voxels);
 	free(volume->header_bytes);
 	free(volume->footer_bytes);
-	esk_layers_free(volume->layers);
 	esk_segments_clear(&volume->header.segments);
-	esk_run_builder_free(volume->builder);
-	esk_weight_builder_free(volume->weights);
+	esk_voxel_runs_free(volume->runs);
 	esk_solid_reader_free(volume->solid);
 	free(volume);
-}
-
-static eskel_status add_whole_voxels(eskel_volume *v, const uint8_t *voxels, size_t count, eskel_error *error)
-{
-	if (v->weights)
-		return esk_weight_builder_add(v->weights, voxels, count, error);
-	return v->layers ? esk_layers_add(v->layers, voxels, count, error)
-			 : esk_run_builder_add(v->builder, voxels, count, error);
-}
-
-static size_t size_of_voxel(const eskel_volume *v)
-{
-	return (size_t)v->header.voxels.size * v->header.layer_count;
-}
-
-static eskel_status add_voxels(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	const size_t voxel_size = size_of_voxel(v);
-	if (v->broken_size > 0) {
-		size_t missing = voxel_size - v->broken_size, taken = size < missing ? size : missing;
-		memcpy(v->broken + v->broken_size, bytes, taken);
-		v->broken_size += taken;
-		bytes += taken;
-		size -= taken;
-		if (v->broken_size < voxel_size)
-			return ESKEL_OK;
-		v->broken_size = 0;
-		eskel_status status = add_whole_voxels(v, v->broken, 1, error);
-		if (status != ESKEL_OK)
-			return status;
-	}
-	size_t whole = size / voxel_size;
-	v->broken_size = size % voxel_size;
-	memcpy(v->broken, bytes + whole * voxel_size, v->broken_size);
-	return add_whole_voxels(v, bytes, whole, error);
 }
 
 static eskel_status take_footer(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
@@ -183,7 +124,7 @@ static eskel_status take_voxels(void *volume, const uint8_t *bytes, size_t size,
 	eskel_volume *v = volume;
 	size_t taken = v->bytes_left < size ? (size_t)v->bytes_left : size;
 	v->bytes_left -= taken;
-	eskel_status status = add_voxels(v, bytes, taken, error);
+	eskel_status status = esk_voxel_runs_add(v->runs, bytes, taken, error);
 	if (status == ESKEL_OK && taken < size)
 		status = take_footer(v, bytes + taken, size - taken, error);
 	return status;
@@ -197,39 +138,11 @@ static eskel_status begin_decompression(
 	return ESKEL_OK;
 }
 
-static eskel_status take_numbers(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	enum { most_numbers = 512 };
-	double numbers[most_numbers];
-	eskel_status read;
-	size_t count;
-	do {
-		read = esk_number_text_read(&v->text, &bytes, &size, numbers, most_numbers, &count, error);
-		eskel_status status = take_voxels(v, (const uint8_t *)numbers, count * sizeof *numbers, error);
-		if (status != ESKEL_OK)
-			return status;
-	} while (read == ESKEL_OK && count == most_numbers);
-	return read;
-}
-
-static eskel_status take_text(eskel_volume *v, const uint8_t *bytes, size_t size, eskel_error *error)
-{
-	const uint64_t left = most_text_bytes - v->text_bytes;
-	const size_t taken = left < size ? (size_t)left : size;
-	eskel_status status = take_numbers(v, bytes, taken, error);
-	v->text_bytes += taken;
-	if (status == ESKEL_OK && taken < size)
-		status = esk_error_set(error, ESKEL_TOO_LARGE,
-			"the voxels take more than %llu bytes of text, expected another encoding for so many",
-			(unsigned long long)most_text_bytes);
-	return status;
-}
-
 static eskel_status begin_voxels(eskel_volume *v, eskel_error *error)
 {
 	const uint32_t *extent = v->header.info.extent; /* at most 65535 each, so the product fits */
 	v->phase = IN_VOXELS;
-	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * size_of_voxel(v);
+	v->bytes_left = (uint64_t)extent[0] * extent[1] * extent[2] * esk_volume_voxel_size(&v->header);
 	return v->header.compressed ? begin_decompression(v->header.compression, &v->voxels, error) : ESKEL_OK;
 }
 
@@ -249,16 +162,17 @@ static eskel_status take_body(eskel_volume *v, const uint8_t *bytes, size_t size
 		return status;
 	if (v->voxels)
 		return esk_decompressor_feed(v->voxels, bytes, size, take_voxels, v, error);
-	return v->header.text ? take_text(v, bytes, size, error) : take_voxels(v, bytes, size, error);
+	if (v->header.text)
+		return esk_number_text_feed(&v->text, bytes, size, take_voxels, v, error);
+	return take_voxels(v, bytes, size, error);
 }
 
 static eskel_status refuse_format(const eskel_volume *v, eskel_error *error)
 {
 	const uint8_t *bytes = v->header_bytes;
 	return esk_error_set(error, ESKEL_NOT_VOLUME,
-		"the file begins with %02x %02x %02x %02x, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH file, "
-		"or "
-		"an STL, PLY or OBJ mesh",
+		"the file begins with %02x %02x %02x %02x, expected a NIfTI-1, NIfTI-2, NRRD, MetaImage or MGH "
+		"file, or an STL, PLY or OBJ mesh",
 		bytes[0], bytes[1], bytes[2], bytes[3]);
 }
 
@@ -284,36 +198,28 @@ static eskel_status check_size(const eskel_volume *v, eskel_error *error)
 		return esk_error_set(error, ESKEL_BAD_GEOMETRY,
 			"the spacing of %g mm is for meshes, a %s file has its own: expected none", v->spacing,
 			v->header.info.format);
-	eskel_status status = esk_solid_volume_check_extent(extent, v->limits.voxels, error);
+	eskel_status status = esk_volume_check_extent(extent, v->limits.voxels, error);
 	if (status != ESKEL_OK)
 		return status;
 	if (voxels * v->header.layer_count > v->limits.voxels)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
 			"the grid has %llu voxels in %u layers, expected at most %llu in all",
 			(unsigned long long)voxels, v->header.layer_count, (unsigned long long)v->limits.voxels);
-	const uint64_t bytes = voxels * size_of_voxel(v);
+	const uint64_t bytes = voxels * esk_volume_voxel_size(&v->header);
 	if (v->header.compressed && v->header.compression == ESK_COMPRESSION_BZIP2 && bytes > most_bzip2_bytes)
 		return esk_error_set(error, ESKEL_TOO_LARGE,
 			"the voxels take %llu bytes, expected at most %llu in bzip2 and another encoding for more",
 			(unsigned long long)bytes, (unsigned long long)most_bzip2_bytes);
-	if (v->weights && v->header.layer_count > 1)
-		return esk_error_set(error, ESKEL_UNSUPPORTED,
-			"the file has %u layers of segments, expected one weight a voxel", v->header.layer_count);
 	return ESKEL_OK;
 }
 
 static eskel_status begin_body(eskel_volume *v, eskel_error *error)
 {
-	const uint32_t *extent = v->header.info.extent;
 	eskel_status status = check_size(v, error);
+	if (status == ESKEL_OK)
+		status = esk_voxel_runs_begin(v->runs, &v->header, error);
 	if (status != ESKEL_OK)
 		return status;
-	if (v->weights)
-		esk_weight_builder_set_grid(v->weights, &v->header.voxels, extent);
-	esk_run_builder_set_grid(v->builder, &v->header.voxels, extent);
-	if (v->header.layer_count > 1 && esk_layers_new(v->builder, &v->header.segments, v->header.layer_count,
-						 &v->header.voxels, extent, &v->layers) != ESKEL_OK)
-		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for %u layers", v->header.layer_count);
 	v->header.info.gzipped = v->file != NULL;
 	v->phase = BEFORE_VOXELS;
 	v->bytes_left = v->header.data_offset;
@@ -398,7 +304,7 @@ static eskel_status begin_runs(eskel_volume *v, const eskel_volume_info *info, e
 {
 	if (v->begun)
 		return esk_error_set(error, ESKEL_INVALID, "the volume has begun, no runs were expected");
-	if (v->weights)
+	if (!esk_voxel_runs_builder(v->runs))
 		return esk_error_set(
 			error, ESKEL_UNSUPPORTED, "the file has segments of whole voxels, expected one weight a voxel");
 	for (int c = 0; c < 3; c++)
@@ -438,7 +344,7 @@ eskel_status eskel_volume_add_run(eskel_volume *volume, int32_t label, eskel_run
 		esk_error_set(&volume->error, ESKEL_INVALID, "the run of label %d at (%d, %d, %d) is outside the grid",
 			(int)label, run.x_first, run.y, run.z);
 	else
-		esk_run_builder_add_run(volume->builder, label, run, &volume->error);
+		esk_run_builder_add_run(esk_voxel_runs_builder(volume->runs), label, run, &volume->error);
 	return report(volume, error);
 }
 
@@ -463,7 +369,7 @@ static eskel_status check_complete(const eskel_volume *v, eskel_error *error)
 			esk_decompressor_name(v->voxels));
 	if (v->bytes_left > 0 && v->header.text)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu voxels before the end of its text",
-			(unsigned long long)(v->bytes_left / size_of_voxel(v)));
+			(unsigned long long)(v->bytes_left / esk_volume_voxel_size(&v->header)));
 	if (v->bytes_left > 0)
 		return esk_error_set(error, ESKEL_TRUNCATED, "the file ends %llu bytes before the end of its voxels",
 			(unsigned long long)v->bytes_left);
@@ -476,36 +382,20 @@ static eskel_status finish_mesh(eskel_volume *v, eskel_error *error)
 	eskel_status status = esk_solid_reader_finish(v->solid, &solid, error);
 	if (status == ESKEL_NOT_VOLUME)
 		return refuse_format(v, error);
-	if (status == ESKEL_OK && v->weights)
+	esk_run_builder *builder = esk_voxel_runs_builder(v->runs);
+	if (status == ESKEL_OK && !builder)
 		return esk_error_set(error, ESKEL_UNSUPPORTED, "the file is a mesh, expected a volume of weights");
 	v->header.info.format = esk_solid_reader_format(v->solid);
 	v->header.info.gzipped = v->file != NULL;
 	if (status == ESKEL_OK)
-		status = esk_solid_volume(solid, esk_solid_reader_space(v->solid), v->spacing, &v->limits, v->builder,
+		status = esk_solid_volume(solid, esk_solid_reader_space(v->solid), v->spacing, &v->limits, builder,
 			&v->header.info, error);
 	return status;
 }
 
-static eskel_status find_labels(eskel_volume *v, eskel_error *error)
-{
-	eskel_status status = ESKEL_OK;
-	if (v->weights)
-		status = esk_weight_builder_finish(v->weights, &v->labels);
-	else if (v->layers)
-		status = esk_layers_finish(v->layers, &v->labels);
-	else
-		v->labels = esk_run_builder_finish(v->builder);
-	if (status != ESKEL_OK)
-		return esk_error_set(error, status, "memory ran out for the runs of labels");
-	if (v->labels->count == 0)
-		return esk_error_set(error, ESKEL_EMPTY,
-			v->weights ? "no voxel has a weight above 0" : "no voxel has a wanted label");
-	return ESKEL_OK;
-}
-
 static eskel_status finish_labels(eskel_volume *v, eskel_error *error)
 {
-	eskel_status status = find_labels(v, error);
+	eskel_status status = esk_voxel_runs_finish(v->runs, &v->labels, error);
 	if (status == ESKEL_OK && v->header.read_footer)
 		status = v->header.read_footer(v->footer_bytes, v->footer_size, v->labels, &v->header, error);
 	return status;
@@ -515,9 +405,8 @@ eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error)
 {
 	if (volume->phase == FINISHED || volume->error.status != ESKEL_OK)
 		return report(volume, error);
-	/* A blank ends the last number of a text. */
 	if (volume->phase == IN_VOXELS && volume->header.text)
-		take_text(volume, (const uint8_t *)"\n", 1, &volume->error);
+		esk_number_text_finish(&volume->text, take_voxels, volume, &volume->error);
 	if (volume->error.status == ESKEL_OK)
 		check_complete(volume, &volume->error);
 	if (volume->error.status == ESKEL_OK && volume->solid)
@@ -576,6 +465,6 @@ eskel_status eskel_volume_cloud(const eskel_volume *volume, int32_t label, eskel
 	const esk_label_runs *found = runs_of(volume, label);
 	if (!found)
 		return esk_error_set(error, ESKEL_NOT_FOUND, "no voxel has label %d", label);
-	const uint32_t *weights = volume->weights ? esk_weight_builder_weights(volume->weights) : NULL;
+	const uint32_t *weights = esk_voxel_runs_weights(volume->runs);
 	return eskel_cloud_new(found->runs, weights, found->count, &volume->header.info.affine, cloud, error);
 }

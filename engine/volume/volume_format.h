@@ -25,6 +25,11 @@ struct esk_volume_header {
 	esk_segments segments;
 };
 
+/* The bytes of a voxel, of all layers. */
+size_t esk_volume_voxel_size(const esk_volume_header *header);
+/* ESKEL_TOO_LARGE for a grid of more than most voxels. */
+eskel_status esk_volume_check_extent(const uint32_t extent[3], uint64_t most, eskel_error *error);
+
 /* Reads the header from the first size bytes of a file, at least 4. When it wants more it returns ESKEL_OK with
  * *needed > size, at most 2^20, and header untouched. Otherwise *needed <= size and header is complete: every extent
  * 1 to 65535, the affine checked; its segments are the caller's to clear. ESKEL_NOT_VOLUME, without a sentence, for another

@@ -109,19 +109,13 @@ static eskel_status take_data(esk_zlib_stream *s, const uint8_t **in, size_t *in
 eskel_status esk_zlib_stream_inflate(esk_zlib_stream *s, const uint8_t **in, size_t *in_size, uint8_t *out,
 	size_t out_size, size_t *out_used, eskel_error *error)
 {
-	eskel_status status = ESKEL_OK;
-	size_t used = 0, written = 0;
-	do {
-		if (s->part == DATA) { /* also without input: there may be output that had no room before */
-			status = take_data(s, in, in_size, out + used, out_size - used, &written, error);
-			used += written;
-		} else if (*in_size > 0) {
-			status = take_byte(s, *(*in)++, error);
-			(*in_size)--;
-		}
-	} while (status == ESKEL_OK && used<out_size && * in_size> 0);
-	*out_used = used;
-	return status;
+	*out_used = 0;
+	if (s->part == DATA) /* also without input: there may be output that had no room before */
+		return take_data(s, in, in_size, out, out_size, out_used, error);
+	if (*in_size == 0)
+		return ESKEL_OK;
+	(*in_size)--;
+	return take_byte(s, *(*in)++, error);
 }
 
 bool esk_zlib_stream_is_complete(const esk_zlib_stream *stream)

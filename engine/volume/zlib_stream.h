@@ -10,7 +10,7 @@ eskel_status esk_zlib_stream_new(esk_zlib_stream **stream);
 void esk_zlib_stream_free(esk_zlib_stream *stream);
 
 /* Inflates some of the *in_size bytes at *in, which it moves past what it took, into out; *out_used receives how many
- * bytes it wrote, also on failure. All input is taken and all output there is written once *out_used < out_size. */
+ * bytes it wrote, also on failure. All is inflated once *in_size is 0 and *out_used < out_size. */
 eskel_status esk_zlib_stream_inflate(esk_zlib_stream *stream, const uint8_t **in, size_t *in_size, uint8_t *out,
 	size_t out_size, size_t *out_used, eskel_error *error);
 

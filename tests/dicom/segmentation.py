@@ -128,8 +128,8 @@ def convert(tool, source, target, *options):
 class Reading:
     """What print_segments says of a file."""
 
-    def __init__(self, path, *tool):
-        run = subprocess.run([PRINT_SEGMENTS, str(path), *map(str, tool)], capture_output=True, timeout=300)
+    def __init__(self, path, *tool, **limited):
+        run = subprocess.run([PRINT_SEGMENTS, str(path), *map(str, tool)], capture_output=True, timeout=300, **limited)
         assert run.returncode == 0, run.stderr.decode()
         self.labels, self.names, self.warnings, self.refusal = {}, {}, [], None
         for line in run.stdout.decode("utf-8", "replace").splitlines():

@@ -90,6 +90,14 @@ write(repr(done).encode() if done else GOOD)
         self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 5 << 19)  # KiB
         self.assertLess(time.monotonic() - before, 50)
 
+    def test_without_descriptors_it_is_refused_at_once(self):
+        before = time.monotonic()
+        for most in (6, 7):  # three, the file, its copy without a name and one end of the pipe, or both
+            few = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+            self.assertEqual(f"{self.folder.name}/tool could not be started: Too many open files",
+                             Reading(self.path, self.tool("write(GOOD)"), preexec_fn=few).refusal)
+        self.assertLess(time.monotonic() - before, 50)
+
     def test_garbage_is_refused(self):
         for script, sentence in (
                 ("pass", "no pixel data"),
@@ -102,6 +110,7 @@ write(repr(done).encode() if done else GOOD)
                 ("write(GOOD[:305])\nimport signal\nsignal.alarm(1)", "breaks off"),
                 ("write(b'\\x08\\0\\x16\\0UI\\xff\\xff')\nwrite(b'1' * 70000)", "has 65535 bytes, expected at most 4096"),
                 ("write(b'\\x62\\0\\x02\\0SQ\\0\\0\\xff\\xff\\xff\\xff')", "(0062,0002) has no length"),
+                ("write(b'\\x62\\0\\x02\\0SQ\\0\\0\\0\\0\\0\\x10')", "has more than 268435456 bytes before its pixel data"),
                 ("write(b'\\xe0\\x7f\\x10\\0OW\\0\\0\\xff\\xff\\xff\\xff')", "its pixels are compressed"),
                 ("write(b'\\x62\\0\\x02\\0SQ\\0\\0\\x08\\0\\0\\0' + b'\\xfe\\xff\\0\\xe0\\xff\\0\\0\\0' * 2)",
                  "longer than the sequence"),

@@ -105,9 +105,7 @@ static eskel_status inflate_all(
 		do {
 			status = esk_gzip_inflate(gzip, &in, &left, room, window, &used, NULL);
 			put(out, room, used);
-		} while (status == ESKEL_OK && used == window);
-		if (status == ESKEL_OK)
-			assert_int_equal(left, 0);
+		} while (status == ESKEL_OK && (left > 0 || used == window));
 	}
 	*complete = esk_gzip_is_complete(gzip);
 	free(room);

@@ -186,25 +186,51 @@ static void a_gzipped_file_may_have_gzipped_voxels(void **state)
 	free(gzip);
 }
 
+enum { text_piece = 1 << 20, most_text_pieces = 256 };
+
+/* A volume that so many pieces of blanks, in the place of text, were fed to. */
+static eskel_volume *fed_blanks(int pieces)
+{
+	static const char header[] = "NRRD0004\ntype: uint8\n" RAS_GRID "encoding: text\n\n";
+	eskel_volume *volume;
+	char *blanks = malloc(text_piece);
+	assert_non_null(blanks);
+	memset(blanks, ' ', text_piece);
+	assert_int_equal(eskel_volume_new(NULL, &volume), ESKEL_OK);
+	assert_int_equal(eskel_volume_feed(volume, header, sizeof header - 1, NULL), ESKEL_OK);
+	for (int i = 0; i < pieces; i++)
+		assert_int_equal(eskel_volume_feed(volume, blanks, text_piece, NULL), ESKEL_OK);
+	free(blanks);
+	return volume;
+}
+
+static void text_may_end_with_the_last_byte_that_it_may_have(void **state)
+{
+	(void)state;
+	eskel_volume *volume = fed_blanks(most_text_pieces - 1);
+	eskel_error error = {0};
+	char *last = malloc(text_piece + 1);
+	assert_non_null(last);
+	memset(last, ' ', text_piece);
+	for (int i = 0; i < voxel_count; i++)
+		snprintf(last + text_piece - 4 * (voxel_count - i), 5, "%4d", sample_bytes[i]);
+	assert_int_equal(eskel_volume_feed(volume, last, text_piece, &error), ESKEL_OK);
+	if (eskel_volume_finish(volume, &error) != ESKEL_OK)
+		fail_msg("%s", error.text);
+	assert_labels(volume, sample);
+	eskel_volume_free(volume);
+	free(last);
+}
+
 static void text_without_end_is_refused(void **state)
 {
 	(void)state;
-	enum { piece_size = 1 << 20, pieces = 256 };
-	static const char header[] = "NRRD0004\ntype: uint8\n" RAS_GRID "encoding: text\n\n";
-	eskel_volume *volume;
+	eskel_volume *volume = fed_blanks(most_text_pieces);
 	eskel_error error = {0};
-	char *blanks = malloc(piece_size);
-	assert_non_null(blanks);
-	memset(blanks, ' ', piece_size);
-	assert_int_equal(eskel_volume_new(NULL, &volume), ESKEL_OK);
-	assert_int_equal(eskel_volume_feed(volume, header, sizeof header - 1, &error), ESKEL_OK);
-	for (int i = 0; i < pieces; i++)
-		assert_int_equal(eskel_volume_feed(volume, blanks, piece_size, &error), ESKEL_OK);
-	assert_int_equal(eskel_volume_feed(volume, blanks, 1, &error), ESKEL_TOO_LARGE);
+	assert_int_equal(eskel_volume_feed(volume, " ", 1, &error), ESKEL_TOO_LARGE);
 	assert_string_equal(
 		error.text, "the voxels take more than 268435456 bytes of text, expected another encoding for so many");
 	eskel_volume_free(volume);
-	free(blanks);
 }
 
 static void lines_may_end_in_crlf_and_fields_in_any_order_and_case(void **state)
@@ -474,6 +500,7 @@ int main(void)
 		cmocka_unit_test(every_type_and_byte_order_gives_the_same_labels),
 		cmocka_unit_test(every_encoding_gives_the_same_labels),
 		cmocka_unit_test(a_gzipped_file_may_have_gzipped_voxels),
+		cmocka_unit_test(text_may_end_with_the_last_byte_that_it_may_have),
 		cmocka_unit_test(text_without_end_is_refused),
 		cmocka_unit_test(lines_may_end_in_crlf_and_fields_in_any_order_and_case),
 		cmocka_unit_test(a_cut_file_is_truncated_wherever_it_is_cut),

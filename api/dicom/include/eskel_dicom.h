@@ -1,7 +1,7 @@
 /* eskel dicom: DICOM segmentations where volumes are read.
  *
  * A posted file is a volume of the engine's (eskel.h) or a DICOM segmentation, told apart by its content. DICOM has
- * three byte orders of its own, a dictionary of thousands of types, deflation and run lengths; nothing of that is read
+ * three encodings of its elements, a dictionary of thousands of them, deflation and run lengths; nothing of that is read
  * here. DCMTK's program dcmdrle turns the file into its plainest form, in a process that has the file, a pipe, a share
  * of memory and time, and nothing else; what comes out of the pipe is read as if an attacker had written it.
  */
