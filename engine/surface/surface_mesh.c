@@ -1,21 +1,10 @@
 /* The mesh of a composed surface (section 4): its field polygonised from the centres of its classes. */
+#include "elementary.h"
 #include "polygonise.h"
 #include "surface.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Points whose values are computed beside their gradients and dropped. */
-enum { PIECE = 64 };
-
-static void gradients(const void *context, size_t count, const double (*points)[3], double (*out)[3])
-{
-	double values[PIECE];
-	for (size_t done = 0; done < count; done += PIECE) {
-		const size_t some = count - done < PIECE ? count - done : PIECE;
-		esk_composition_gradients(context, some, points + done, values, out + done);
-	}
-}
 
 /* A box that holds the whole surface.
  *
@@ -26,7 +15,7 @@ static void gradients(const void *context, size_t count, const double (*points)[
 static void set_box(const eskel_surface *surface, esk_polygonise_options *options)
 {
 	const esk_composition *composition = &surface->composition;
-	const double classes = composition->compose == ESKEL_COMPOSE_BLEND ? log(composition->count) : 0;
+	const double classes = composition->compose == ESKEL_COMPOSE_BLEND ? esk_elementary_log(composition->count) : 0;
 	for (uint32_t i = 0; i < composition->count; i++) {
 		const eskel_primitive *p = &surface->primitives[i];
 		const double longest = fmax(fmax(p->radii[0], p->radii[1]), p->radii[2]);
@@ -48,8 +37,7 @@ eskel_status eskel_surface_mesh(
 		.seeds = (const double(*)[3])seeds,
 		.seed_count = surface->composition.count,
 		.triangles_max = triangles_max};
-	esk_field field = esk_composition_field(&surface->composition);
-	field.gradients = gradients;
+	const esk_field field = esk_composition_field(&surface->composition);
 	for (uint32_t i = 0; i < surface->composition.count; i++)
 		memcpy(seeds[i], surface->primitives[i].centre, sizeof seeds[i]);
 	set_box(surface, &options);
