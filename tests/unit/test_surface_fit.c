@@ -111,7 +111,19 @@ static void the_normal_equations_are_those_of_differences(void **state)
 	for (size_t p = 0; p < ALL; p++)
 		differentiate(&f, e, primitives, p, columns + p * count, &c);
 	measure_stepped(e, primitives, 0, 0, &c);
-	esk_normal_equations_derive(e, &c, ESK_PARAMETERS_ALL, matrix, vector);
+	esk_normal_equations_derive(e, ESK_PARAMETERS_ALL, matrix, vector);
+	for (size_t p = 0; p < ALL; p++) {
+		double sum = 0, squares[2] = {0};
+		for (size_t i = 0; i < count; i++) {
+			const double weight = f.points->groups[i / ESK_LANES].weights[i % ESK_LANES];
+			const double r = sqrt(weight) * esk_normal_equations_residuals(e, i / ESK_LANES)[i % ESK_LANES];
+			sum += columns[p * count + i] * r;
+			squares[0] += columns[p * count + i] * columns[p * count + i];
+			squares[1] += r * r;
+		}
+		if (fabs(vector[p] - sum) > 2e-3 * sqrt(squares[0] * squares[1]) + 1e-9)
+			fail_msg("parameter %zu: %g, by differences %g", p, vector[p], sum);
+	}
 	for (size_t p = 0; p < ALL; p++)
 		for (size_t q = p; q < ALL; q++) {
 			double sum = 0, squares[2] = {0};
