@@ -201,7 +201,16 @@ static double cloud_side(const esk_boundary *boundary)
 	return esk_elementary_cbrt(eskel_cloud_volume(boundary->cloud));
 }
 
-/* In a box that is thrice as wide as the cloud's. */
+static bool holds_seeds(const esk_polygonise_options *box)
+{
+	bool all = true;
+	for (size_t i = 0; i < box->seed_count; i++)
+		for (int r = 0; r < 3; r++)
+			all = all && box->seeds[i][r] >= box->least[r] && box->seeds[i][r] <= box->greatest[r];
+	return all;
+}
+
+/* In a box that is thrice as wide as the cloud's, and by two sides more: the cloud may be flat. */
 static eskel_status make_mesh(const eskel_surface *surface, const esk_boundary *boundary, eskel_mesh **mesh)
 {
 	const double side = cloud_side(boundary);
@@ -220,6 +229,9 @@ static eskel_status make_mesh(const eskel_surface *surface, const esk_boundary *
 		options.least[r] = least - (greatest - least) - side;
 		options.greatest[r] = greatest + (greatest - least) + side;
 	}
+	/* Centres are inside of the surface. */
+	if (!holds_seeds(&options))
+		return ESKEL_TOO_LARGE;
 	const esk_field field = esk_composition_field(&surface->composition);
 	return esk_polygonise(&field, &options, mesh, NULL);
 }

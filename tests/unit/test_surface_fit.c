@@ -317,6 +317,29 @@ static void a_fit_stops_when_told(void **state)
 	clear_fixture(&f);
 }
 
+/* Also where a centre is off: it is inside of the surface. */
+static void errors_are_measured_of_any_surface_that_is_near(void **state)
+{
+	(void)state;
+	fixture f = make_fixture(small_hamate(&shapes_identity), 2, 100);
+	const eskel_fit_options options = {.freedom = ESKEL_FIT_ELLIPSOID, .boundary_points = 300};
+	eskel_reconstruction *r = fit(&f, 2, &options);
+	eskel_surface_error errors = {0};
+	eskel_error error = {0};
+	assert_int_equal(eskel_surface_errors(r->surface, f.cloud, 2, &errors, &error), ESKEL_OK);
+	assert_memory_equal(&errors, &r->after, sizeof errors);
+	eskel_primitive far = *eskel_surface_primitive(r->surface, 0);
+	eskel_surface *surface = NULL;
+	far.centre[1] += 1000;
+	assert_int_equal(eskel_surface_compose(&far, 1, ESKEL_COMPOSE_BLEND, &surface), ESKEL_OK);
+	assert_int_equal(eskel_surface_errors(surface, f.cloud, 1, &errors, &error), ESKEL_TOO_LARGE);
+	assert_int_equal(error.status, ESKEL_TOO_LARGE);
+	assert_memory_equal(&errors, &r->after, sizeof errors);
+	eskel_surface_free(surface);
+	eskel_reconstruction_free(r);
+	clear_fixture(&f);
+}
+
 static void odd_clouds_are_fitted_or_refused(void **state)
 {
 	(void)state;
@@ -342,6 +365,7 @@ int main(void)
 		cmocka_unit_test(fits_of_mirrored_and_moved_shapes_are_as_good),
 		cmocka_unit_test(hopping_is_never_worse),
 		cmocka_unit_test(a_fit_stops_when_told),
+		cmocka_unit_test(errors_are_measured_of_any_surface_that_is_near),
 		cmocka_unit_test(odd_clouds_are_fitted_or_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
