@@ -44,9 +44,14 @@ static void add_ends(sink *s, const eskel_cloud *cloud)
 }
 
 /* Rows in the order of the runs, also those beside the grid. */
-static int64_t row_of(const eskel_run *run, int dy, int dz)
+static int64_t row_at(int y, int z)
 {
-	return ((int64_t)run->z + dz) * (1 << 18) + run->y + dy;
+	return (int64_t)z * (1 << 18) + y;
+}
+
+static int64_t row_of(const eskel_run *run)
+{
+	return row_at(run->y, run->z);
 }
 
 /* What no run of the row that is (dy, dz) apart covers. */
@@ -56,14 +61,14 @@ static void add_sides(sink *s, const eskel_cloud *cloud, int dy, int dz)
 	size_t cursor = 0;
 	for (size_t i = 0; i < cloud->run_count; i++) {
 		const eskel_run *run = &cloud->runs[i];
-		const int64_t row = row_of(run, dy, dz);
-		while (cursor < cloud->run_count && (row_of(&cloud->runs[cursor], 0, 0) < row ||
-							    (row_of(&cloud->runs[cursor], 0, 0) == row &&
-								    cloud->runs[cursor].x_last < run->x_first)))
+		const int64_t row = row_at(run->y + dy, run->z + dz);
+		while (cursor < cloud->run_count &&
+			(row_of(&cloud->runs[cursor]) < row ||
+				(row_of(&cloud->runs[cursor]) == row && cloud->runs[cursor].x_last < run->x_first)))
 			cursor++;
 		int x = run->x_first;
 		for (size_t j = cursor; x <= run->x_last; j++) {
-			const bool meets = j < cloud->run_count && row_of(&cloud->runs[j], 0, 0) == row &&
+			const bool meets = j < cloud->run_count && row_of(&cloud->runs[j]) == row &&
 					   cloud->runs[j].x_first <= run->x_last;
 			const int end = meets ? cloud->runs[j].x_first : run->x_last + 1;
 			for (; x < end; x++)
@@ -239,18 +244,17 @@ bool esk_boundary_holds(const esk_boundary *boundary, const double point[3])
 	if (!voxel_of(boundary, point, index))
 		return false;
 	const eskel_run *runs = boundary->cloud->runs;
-	const int64_t row = (int64_t)index[2] * (1 << 18) + index[1];
+	const int64_t row = row_at(index[1], index[2]);
 	size_t first = 0, last = boundary->cloud->run_count; /* the first run that does not end before the voxel */
 	while (first < last) {
 		const size_t middle = first + (last - first) / 2;
-		const int64_t there = row_of(&runs[middle], 0, 0);
+		const int64_t there = row_of(&runs[middle]);
 		if (there < row || (there == row && runs[middle].x_last < index[0]))
 			first = middle + 1;
 		else
 			last = middle;
 	}
-	return first < boundary->cloud->run_count && row_of(&runs[first], 0, 0) == row &&
-	       runs[first].x_first <= index[0];
+	return first < boundary->cloud->run_count && row_of(&runs[first]) == row && runs[first].x_first <= index[0];
 }
 
 size_t esk_boundary_sample(const esk_boundary *boundary, size_t most, uint32_t *faces)

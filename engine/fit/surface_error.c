@@ -4,6 +4,7 @@
  * also measured at the true surface. That needs it as points: a mesh with a step of about a voxel. From the vertex that is
  * nearest to a point, the foot of the perpendicular is found by steps that go onto the surface (Newton) and along it (half of
  * what the point is off the normal); should they lead away, the vertex stays. */
+#include "affine.h"
 #include "boundary.h"
 #include "elementary.h"
 #include "error.h"
@@ -161,16 +162,13 @@ static void count_piece(work *w, const double (*points)[3], size_t count, size_t
 static void count_slice(void *context, size_t slice)
 {
 	work *w = context;
-	const eskel_affine *a = &w->boundary->cloud->affine;
 	double points[PIECE][3];
 	w->inside[slice] = w->common[slice] = 0;
 	for (int64_t y = w->least[1]; y <= w->greatest[1]; y++) {
 		size_t count = 0;
 		for (int64_t x = w->least[0]; x <= w->greatest[0]; x++) {
 			const double index[3] = {(double)x, (double)y, (double)(w->least[2] + (int64_t)slice)};
-			for (int r = 0; r < 3; r++)
-				points[count][r] = a->m[r][0] * index[0] + a->m[r][1] * index[1] +
-						   a->m[r][2] * index[2] + a->m[r][3];
+			esk_affine_apply(&w->boundary->cloud->affine, index, points[count]);
 			if (++count == PIECE || x == w->greatest[0]) {
 				count_piece(w, (const double(*)[3])points, count, slice);
 				count = 0;
@@ -238,13 +236,13 @@ static eskel_status make_mesh(const eskel_surface *surface, const esk_boundary *
 
 static eskel_status prepare(work *w)
 {
-	const size_t vertices = w->mesh->vertex_count, faces = w->boundary->count;
+	const size_t vertices = w->mesh->vertex_count;
 	w->places = esk_memory_array(vertices, sizeof *w->places);
 	w->to_boundary = esk_memory_array(vertices, sizeof *w->to_boundary);
 	w->faces = esk_memory_array(FACES_MOST, sizeof *w->faces);
 	w->deltas = esk_memory_array(FACES_MOST, sizeof *w->deltas);
 	w->to_surface = esk_memory_array(FACES_MOST, sizeof *w->to_surface);
-	if (!w->places || !w->to_boundary || !w->faces || !w->deltas || !w->to_surface || !faces)
+	if (!w->places || !w->to_boundary || !w->faces || !w->deltas || !w->to_surface)
 		return ESKEL_NO_MEMORY;
 	for (size_t i = 0; i < vertices; i++)
 		for (int r = 0; r < 3; r++)
