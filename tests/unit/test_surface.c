@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "deformations.h"
 #include "form.h"
 #include "shapes.h"
 #include "skeletons.h"
@@ -308,7 +309,7 @@ static eskel_primitive random_primitive(uint64_t *state, eskel_primitive_kind ki
 	return p;
 }
 
-/* All modes at once; or one alone, at its limit: all at their limits would throw points 1e30 mm away. */
+/* All modes at once; or one alone, at its limit: all at their limits would throw points 10,000 radii away. */
 static void deformations_are_undone_exactly(void **unused)
 {
 	(void)unused;
@@ -323,7 +324,7 @@ static void deformations_are_undone_exactly(void **unused)
 		esk_form_make(&p, &form);
 		for (int i = 0; i < 3; i++)
 			unit[i] = uniform(&state, -1, 1);
-		esk_form_place(&form, unit, world);
+		deformations_undo(&form, unit, world);
 		const double expected = unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2] - 1;
 		assert_close(value_at(&p, world[0] - p.centre[0], world[1] - p.centre[1], world[2] - p.centre[2]),
 			expected, 1e-9);
@@ -395,7 +396,7 @@ static void derivatives_are_finite_on_axes_and_at_the_centre(void **unused)
 		for (int l = 0; l < ESK_LANES; l++) {
 			double world[3];
 			const double unit[3] = {l & 1 ? 0.5 : 0, l & 2 ? 0.7 : 0, l & 4 ? -0.4 : 0};
-			esk_form_place(&form, unit, world);
+			deformations_undo(&form, unit, world);
 			for (int i = 0; i < 3; i++)
 				point[i][l] = world[i];
 		}
