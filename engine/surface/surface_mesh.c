@@ -6,12 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A box that holds the whole surface.
+/* A box that mostly holds the whole surface.
  *
  * On a blend of n classes some alpha_i d_i is at most ln n, for n exp(-min alpha_i d_i) is at least the sum that is 1. Where
  * d_i is that of an ellipsoid, r^2 - 1 with r in radii, this says how far. A superquadric's corners lie sqrt 3 times as far
- * out, an algebraic surface within three radii. Modes as fits find them at most double a radius and bend by another;
- * a surface that modes at their limits lead out of the box is refused. */
+ * out, an algebraic surface within a box of three radii. Modes as fits find them at most double a radius and bend by another.
+ * What all the same leads out of the box is refused: modes at their limits, or an algebraic class in the corners of its own
+ * box or in a blend. */
 static void set_box(const eskel_surface *surface, esk_polygonise_options *options)
 {
 	const esk_composition *composition = &surface->composition;

@@ -505,6 +505,36 @@ static void corrupted_bytes_are_refused_or_harmless(void **unused)
 	eskel_surface_free(surface);
 }
 
+static void points_that_no_polynomial_fits_are_refused(void **unused)
+{
+	(void)unused;
+	const eskel_primitive ball = upright(ESKEL_PRIMITIVE_ELLIPSOID, 4, 4, 4);
+	const double far[1][3] = {{1e200, 0, 0}}, nowhere[1][3] = {{0, NAN, 0}}, good[1][3] = {{5, -2, 3}};
+	const struct {
+		uint32_t class_index;
+		unsigned degree;
+		const double (*points)[3];
+		size_t count;
+		eskel_status status;
+	} cases[] = {
+		{1, 4, good, 1, ESKEL_INVALID},
+		{0, 3, good, 1, ESKEL_INVALID},
+		{0, 4, good, 0, ESKEL_INVALID},
+		{0, 4, nowhere, 1, ESKEL_INVALID},
+		{0, 4, far, 1, ESKEL_NUMERIC},
+		{0, 4, good, 1, ESKEL_OK},
+	};
+	eskel_surface *surface = surface_of(&ball, 1, ESKEL_COMPOSE_BLEND);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		assert_int_equal(eskel_surface_primitive(surface, 0)->kind, ESKEL_PRIMITIVE_ELLIPSOID);
+		assert_int_equal(eskel_surface_set_algebraic(surface, cases[i].class_index, cases[i].degree,
+					 cases[i].points, cases[i].count),
+			cases[i].status);
+	}
+	assert_int_equal(eskel_surface_primitive(surface, 0)->kind, ESKEL_PRIMITIVE_ALGEBRAIC);
+	eskel_surface_free(surface);
+}
+
 static void numbers_out_of_range_are_refused(void **unused)
 {
 	(void)unused;
@@ -553,6 +583,7 @@ int main(void)
 		cmocka_unit_test(the_round_trip_is_exact),
 		cmocka_unit_test(truncated_bytes_are_refused),
 		cmocka_unit_test(corrupted_bytes_are_refused_or_harmless),
+		cmocka_unit_test(points_that_no_polynomial_fits_are_refused),
 		cmocka_unit_test(numbers_out_of_range_are_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
