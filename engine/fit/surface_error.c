@@ -13,6 +13,7 @@
 #include "surface.h"
 #include "surface_error.h"
 #include "team.h"
+#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -134,17 +135,14 @@ static void weigh_vertices(work *w)
 		w->to_boundary[i].weight = 0;
 	for (size_t t = 0; t < w->mesh->triangle_count; t++) {
 		const uint32_t *v = w->mesh->triangles[t];
-		double e[3], f[3], square = 0;
+		double e[3], f[3], across[3];
 		for (int r = 0; r < 3; r++) {
 			e[r] = w->places[v[1]][r] - w->places[v[0]][r];
 			f[r] = w->places[v[2]][r] - w->places[v[0]][r];
 		}
-		for (int r = 0; r < 3; r++) {
-			const double n = e[(r + 1) % 3] * f[(r + 2) % 3] - e[(r + 2) % 3] * f[(r + 1) % 3];
-			square += n * n;
-		}
+		esk_triple_cross(e, f, across);
 		for (int c = 0; c < 3; c++)
-			w->to_boundary[v[c]].weight += sqrt(square) / 6;
+			w->to_boundary[v[c]].weight += esk_triple_length(across) / 6;
 	}
 }
 
