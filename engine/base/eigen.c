@@ -5,6 +5,8 @@
  * machine. dsteqr is scalar arithmetic in one order. */
 #include "eigen.h"
 
+#include "triple.h"
+
 #include <lapacke.h>
 #include <math.h>
 #include <string.h>
@@ -29,16 +31,9 @@ static void make_tridiagonal(const double a[3][3], double diagonal[3], double of
 	memcpy(z, (double[9]){1, 0, 0, 0, c, s, 0, -s, c}, 9 * sizeof *z);
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static void normalise(double v[3])
 {
-	double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+	double length = esk_triple_length(v);
 	for (int i = 0; i < 3; i++)
 		v[i] /= length;
 }
@@ -80,12 +75,12 @@ static void choose_axes(esk_eigen *eigen)
 		memcpy(axes, (double[3][3]){{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, sizeof eigen->axes);
 	else if (first_two) {
 		axis_in_plane(axes[2], axes[0]);
-		cross(axes[2], axes[0], axes[1]);
+		esk_triple_cross(axes[2], axes[0], axes[1]);
 	} else if (last_two)
 		axis_in_plane(axes[0], axes[1]);
 	fix_sign(axes[0]);
 	fix_sign(axes[1]);
-	cross(axes[0], axes[1], axes[2]);
+	esk_triple_cross(axes[0], axes[1], axes[2]);
 }
 
 eskel_status esk_eigen_symmetric(const double matrix[3][3], esk_eigen *eigen)

@@ -8,6 +8,7 @@
 #include "error.h"
 #include "elementary.h"
 #include "memory.h"
+#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -44,9 +45,14 @@ static void add_ends(sink *s, const eskel_cloud *cloud)
 }
 
 /* Rows in the order of the runs, also those beside the grid. */
-static int64_t row_of(const eskel_run *run, int dy, int dz)
+static int64_t row_at(int y, int z)
 {
-	return ((int64_t)run->z + dz) * (1 << 18) + run->y + dy;
+	return (int64_t)z * (1 << 18) + y;
+}
+
+static int64_t row_of(const eskel_run *run)
+{
+	return row_at(run->y, run->z);
 }
 
 /* What no run of the row that is (dy, dz) apart covers. */
@@ -56,14 +62,14 @@ static void add_sides(sink *s, const eskel_cloud *cloud, int dy, int dz)
 	size_t cursor = 0;
 	for (size_t i = 0; i < cloud->run_count; i++) {
 		const eskel_run *run = &cloud->runs[i];
-		const int64_t row = row_of(run, dy, dz);
-		while (cursor < cloud->run_count && (row_of(&cloud->runs[cursor], 0, 0) < row ||
-							    (row_of(&cloud->runs[cursor], 0, 0) == row &&
-								    cloud->runs[cursor].x_last < run->x_first)))
+		const int64_t row = row_at(run->y + dy, run->z + dz);
+		while (cursor < cloud->run_count &&
+			(row_of(&cloud->runs[cursor]) < row ||
+				(row_of(&cloud->runs[cursor]) == row && cloud->runs[cursor].x_last < run->x_first)))
 			cursor++;
 		int x = run->x_first;
 		for (size_t j = cursor; x <= run->x_last; j++) {
-			const bool meets = j < cloud->run_count && row_of(&cloud->runs[j], 0, 0) == row &&
+			const bool meets = j < cloud->run_count && row_of(&cloud->runs[j]) == row &&
 					   cloud->runs[j].x_first <= run->x_last;
 			const int end = meets ? cloud->runs[j].x_first : run->x_last + 1;
 			for (; x < end; x++)
@@ -86,17 +92,6 @@ static size_t add_faces(const eskel_cloud *cloud, esk_boundary *to)
 	return s.count;
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	for (int r = 0; r < 3; r++)
-		out[r] = a[(r + 1) % 3] * b[(r + 2) % 3] - a[(r + 2) % 3] * b[(r + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void measure_faces(esk_boundary *b)
 {
 	const double determinant = eskel_affine_determinant(&b->cloud->affine);
@@ -106,15 +101,15 @@ static void measure_faces(esk_boundary *b)
 		for (int e = 0; e < 2; e++)
 			for (int r = 0; r < 3; r++)
 				edges[e][r] = b->cloud->affine.m[r][(axis + 1 + e) % 3] / 2;
-		cross(edges[0], edges[1], across);
-		const double area = sqrt(dot(across, across));
+		esk_triple_cross(edges[0], edges[1], across);
+		const double area = esk_triple_length(across);
 		b->areas[axis] = 4 * area;
 		for (int r = 0; r < 3; r++) {
 			b->normals[2 * axis + 1][r] = across[r] / copysign(area, determinant);
 			b->normals[2 * axis][r] = -b->normals[2 * axis + 1][r];
 		}
-		const double sum =
-			dot(edges[0], edges[0]) + dot(edges[1], edges[1]) + 2 * fabs(dot(edges[0], edges[1]));
+		const double sum = esk_triple_dot(edges[0], edges[0]) + esk_triple_dot(edges[1], edges[1]) +
+				   2 * fabs(esk_triple_dot(edges[0], edges[1]));
 		b->reach = fmax(b->reach, sqrt(sum));
 	}
 	for (size_t i = 0; i < b->count; i++)
@@ -164,7 +159,7 @@ void esk_boundary_free(esk_boundary *boundary)
 /* The point from + t edge, |t| <= 1, that is nearest to 0, as a square of its length. */
 static double segment_square(const double from[3], const double edge[3])
 {
-	const double t = fmin(fmax(-dot(from, edge) / dot(edge, edge), -1), 1);
+	const double t = fmin(fmax(-esk_triple_dot(from, edge) / esk_triple_dot(edge, edge), -1), 1);
 	double square = 0;
 	for (int r = 0; r < 3; r++) {
 		const double at = from[r] + t * edge[r];
@@ -182,11 +177,12 @@ static double face_distance(const void *context, uint32_t face, const double poi
 	double from[3];
 	for (int r = 0; r < 3; r++)
 		from[r] = b->points[face][r] - point[r];
-	const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), de = -dot(from, e), df = -dot(from, f);
+	const double ee = esk_triple_dot(e, e), ef = esk_triple_dot(e, f), ff = esk_triple_dot(f, f),
+		     de = -esk_triple_dot(from, e), df = -esk_triple_dot(from, f);
 	const double determinant = ee * ff - ef * ef;
 	const double s = (de * ff - df * ef) / determinant, t = (df * ee - de * ef) / determinant;
 	if (fabs(s) <= 1 && fabs(t) <= 1)
-		return fabs(dot(from, b->normals[2 * axis]));
+		return fabs(esk_triple_dot(from, b->normals[2 * axis]));
 	double square = INFINITY;
 	for (int side = -1; side <= 1; side += 2) {
 		double e_side[3], f_side[3];
@@ -215,7 +211,7 @@ void esk_boundary_index(const esk_boundary *boundary, const double point[3], dou
 			from[r] = point[r] - a->m[r][3];
 		}
 		const double *normal = boundary->normals[2 * c + 1];
-		index[c] = dot(from, normal) / dot(column, normal);
+		index[c] = esk_triple_dot(from, normal) / esk_triple_dot(column, normal);
 	}
 }
 
@@ -239,18 +235,17 @@ bool esk_boundary_holds(const esk_boundary *boundary, const double point[3])
 	if (!voxel_of(boundary, point, index))
 		return false;
 	const eskel_run *runs = boundary->cloud->runs;
-	const int64_t row = (int64_t)index[2] * (1 << 18) + index[1];
+	const int64_t row = row_at(index[1], index[2]);
 	size_t first = 0, last = boundary->cloud->run_count; /* the first run that does not end before the voxel */
 	while (first < last) {
 		const size_t middle = first + (last - first) / 2;
-		const int64_t there = row_of(&runs[middle], 0, 0);
+		const int64_t there = row_of(&runs[middle]);
 		if (there < row || (there == row && runs[middle].x_last < index[0]))
 			first = middle + 1;
 		else
 			last = middle;
 	}
-	return first < boundary->cloud->run_count && row_of(&runs[first], 0, 0) == row &&
-	       runs[first].x_first <= index[0];
+	return first < boundary->cloud->run_count && row_of(&runs[first]) == row && runs[first].x_first <= index[0];
 }
 
 size_t esk_boundary_sample(const esk_boundary *boundary, size_t most, uint32_t *faces)

@@ -12,7 +12,7 @@ typedef struct {
 	const eskel_cloud *cloud; /* not owned */
 	double spacing;           /* mm, the cube root of a voxel's volume */
 	size_t count;
-	double (*points)[3]; /* mm, the centres of the faces, in the order of the runs */
+	double (*points)[3]; /* mm, the centres of the faces: ends of all runs, then one side of them after another */
 	uint8_t *directions;
 	double normals[6][3];  /* unit, outward, by direction */
 	double areas[3];       /* mm^2, by axis */

@@ -145,7 +145,7 @@ static double measure(work *w, const eskel_primitive *primitives, const stage *s
 /* The equations for a step from now, with the pull; what is held has none. */
 static void set_up(work *w, const stage *s)
 {
-	esk_normal_equations_derive(w->equations, &w->composition, s->count, w->matrix, w->vector);
+	esk_normal_equations_derive(w->equations, s->count, w->matrix, w->vector);
 	const size_t n = w->parameters;
 	for (uint32_t i = 0; i < w->count; i++)
 		for (size_t p = 0; p < s->count; p++) {

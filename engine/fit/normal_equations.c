@@ -248,11 +248,9 @@ static void add_pair(void *context, size_t pair)
 		add_vector(e, j);
 }
 
-void esk_normal_equations_derive(esk_normal_equations *equations, const esk_composition *composition, size_t count,
-	double *matrix, double *vector)
+void esk_normal_equations_derive(esk_normal_equations *equations, size_t count, double *matrix, double *vector)
 {
 	const size_t classes = equations->class_count;
-	equations->composition = composition;
 	equations->count = count;
 	equations->matrix = matrix;
 	equations->vector = vector;

@@ -16,13 +16,12 @@ eskel_status esk_normal_equations_new(const esk_fit_points *points, uint32_t cla
 	esk_team *team, esk_normal_equations **equations);
 void esk_normal_equations_free(esk_normal_equations *equations);
 
-/* The weighted sum of squares of the residuals, mm^2, with L = length. They stay for the next call. */
+/* The weighted sum of squares of the residuals, mm^2, with L = length. They, and the composition, stay for the next call. */
 double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition, double length);
 
 /* J^T J and J^T r for the composition that was measured last and the first count parameters of each class, those of class i
  * from i count on: the upper triangle of matrix[n][n], vector[n], n = class_count count. */
-void esk_normal_equations_derive(esk_normal_equations *equations, const esk_composition *composition, size_t count,
-	double *matrix, double *vector);
+void esk_normal_equations_derive(esk_normal_equations *equations, size_t count, double *matrix, double *vector);
 
 /* The residuals of group g, a lane a point, as last measured. */
 const double *esk_normal_equations_residuals(const esk_normal_equations *equations, size_t group);

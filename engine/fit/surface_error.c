@@ -4,6 +4,7 @@
  * also measured at the true surface. That needs it as points: a mesh with a step of about a voxel. From the vertex that is
  * nearest to a point, the foot of the perpendicular is found by steps that go onto the surface (Newton) and along it (half of
  * what the point is off the normal); should they lead away, the vertex stays. */
+#include "affine.h"
 #include "boundary.h"
 #include "elementary.h"
 #include "error.h"
@@ -12,6 +13,7 @@
 #include "surface.h"
 #include "surface_error.h"
 #include "team.h"
+#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -133,17 +135,14 @@ static void weigh_vertices(work *w)
 		w->to_boundary[i].weight = 0;
 	for (size_t t = 0; t < w->mesh->triangle_count; t++) {
 		const uint32_t *v = w->mesh->triangles[t];
-		double e[3], f[3], square = 0;
+		double e[3], f[3], across[3];
 		for (int r = 0; r < 3; r++) {
 			e[r] = w->places[v[1]][r] - w->places[v[0]][r];
 			f[r] = w->places[v[2]][r] - w->places[v[0]][r];
 		}
-		for (int r = 0; r < 3; r++) {
-			const double n = e[(r + 1) % 3] * f[(r + 2) % 3] - e[(r + 2) % 3] * f[(r + 1) % 3];
-			square += n * n;
-		}
+		esk_triple_cross(e, f, across);
 		for (int c = 0; c < 3; c++)
-			w->to_boundary[v[c]].weight += sqrt(square) / 6;
+			w->to_boundary[v[c]].weight += esk_triple_length(across) / 6;
 	}
 }
 
@@ -161,16 +160,13 @@ static void count_piece(work *w, const double (*points)[3], size_t count, size_t
 static void count_slice(void *context, size_t slice)
 {
 	work *w = context;
-	const eskel_affine *a = &w->boundary->cloud->affine;
 	double points[PIECE][3];
 	w->inside[slice] = w->common[slice] = 0;
 	for (int64_t y = w->least[1]; y <= w->greatest[1]; y++) {
 		size_t count = 0;
 		for (int64_t x = w->least[0]; x <= w->greatest[0]; x++) {
 			const double index[3] = {(double)x, (double)y, (double)(w->least[2] + (int64_t)slice)};
-			for (int r = 0; r < 3; r++)
-				points[count][r] = a->m[r][0] * index[0] + a->m[r][1] * index[1] +
-						   a->m[r][2] * index[2] + a->m[r][3];
+			esk_affine_apply(&w->boundary->cloud->affine, index, points[count]);
 			if (++count == PIECE || x == w->greatest[0]) {
 				count_piece(w, (const double(*)[3])points, count, slice);
 				count = 0;
@@ -201,7 +197,16 @@ static double cloud_side(const esk_boundary *boundary)
 	return esk_elementary_cbrt(eskel_cloud_volume(boundary->cloud));
 }
 
-/* In a box that is thrice as wide as the cloud's. */
+static bool holds_seeds(const esk_polygonise_options *box)
+{
+	bool all = true;
+	for (size_t i = 0; i < box->seed_count; i++)
+		for (int r = 0; r < 3; r++)
+			all = all && box->seeds[i][r] >= box->least[r] && box->seeds[i][r] <= box->greatest[r];
+	return all;
+}
+
+/* In a box that is thrice as wide as the cloud's, and by two sides more: the cloud may be flat. */
 static eskel_status make_mesh(const eskel_surface *surface, const esk_boundary *boundary, eskel_mesh **mesh)
 {
 	const double side = cloud_side(boundary);
@@ -220,19 +225,22 @@ static eskel_status make_mesh(const eskel_surface *surface, const esk_boundary *
 		options.least[r] = least - (greatest - least) - side;
 		options.greatest[r] = greatest + (greatest - least) + side;
 	}
+	/* Centres are inside of the surface. */
+	if (!holds_seeds(&options))
+		return ESKEL_TOO_LARGE;
 	const esk_field field = esk_composition_field(&surface->composition);
 	return esk_polygonise(&field, &options, mesh, NULL);
 }
 
 static eskel_status prepare(work *w)
 {
-	const size_t vertices = w->mesh->vertex_count, faces = w->boundary->count;
+	const size_t vertices = w->mesh->vertex_count;
 	w->places = esk_memory_array(vertices, sizeof *w->places);
 	w->to_boundary = esk_memory_array(vertices, sizeof *w->to_boundary);
 	w->faces = esk_memory_array(FACES_MOST, sizeof *w->faces);
 	w->deltas = esk_memory_array(FACES_MOST, sizeof *w->deltas);
 	w->to_surface = esk_memory_array(FACES_MOST, sizeof *w->to_surface);
-	if (!w->places || !w->to_boundary || !w->faces || !w->deltas || !w->to_surface || !faces)
+	if (!w->places || !w->to_boundary || !w->faces || !w->deltas || !w->to_surface)
 		return ESKEL_NO_MEMORY;
 	for (size_t i = 0; i < vertices; i++)
 		for (int r = 0; r < 3; r++)

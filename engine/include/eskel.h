@@ -724,8 +724,8 @@ typedef struct {
 
 typedef struct eskel_surface eskel_surface;
 
-/* The surface of a level before any fit: the best ellipsoid of each class. ESKEL_INVALID unless the skeleton has the level
- * and gamma and alpha are in range. */
+/* The surface of a level before any fit: the best ellipsoid of each class. ESKEL_INVALID unless the skeleton has the level,
+ * gamma is 0.1 to 10, and alpha and the radii that come out are in range. */
 ESKEL_API eskel_status eskel_surface_new(const eskel_skeleton *skeleton, uint32_t level,
 	const eskel_surface_options *options, eskel_surface **surface);
 /* From primitives, none algebraic. ESKEL_INVALID when a number is out of its range or count is not 1 to ESKEL_LEVELS_MAX. */
@@ -741,7 +741,8 @@ ESKEL_API const eskel_primitive *eskel_surface_primitive(const eskel_surface *su
 /* Replaces the primitive of a class by an algebraic surface of degree 2, 4 or 6 (section 3.8) through boundary points of the
  * class, by least squares, in the class's frame; alpha stays. It is bounded: where the points alone do not make it so, it is
  * drawn to the ellipsoid as much as needed, and proven to lie within three radii along each axis (algebraic.h).
- * ESKEL_INVALID for another degree, a class that there is not, no point, or a point that is not finite. */
+ * ESKEL_INVALID for another degree, a class that there is not, no point, or a point that is not finite; ESKEL_NUMERIC for
+ * points too far off to be fitted. */
 ESKEL_API eskel_status eskel_surface_set_algebraic(eskel_surface *surface, uint32_t class_index, unsigned degree,
 	const double (*points)[3], size_t count);
 
@@ -794,8 +795,9 @@ typedef struct {
 ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check_result *result);
 
 /* The surface with a node of the lattice for each step^3 (mm): a closed manifold with the surface's normals, of at most
- * triangles_max (0: 2^24) triangles. ESKEL_INVALID for a step that is not positive, ESKEL_TOO_LARGE for more triangles,
- * ESKEL_EMPTY where the step is so large that no surface is met. */
+ * triangles_max (0: 2^24) triangles. ESKEL_INVALID for a step that is not positive, ESKEL_TOO_LARGE for more triangles, and
+ * where modes or an algebraic class lead far beyond the radii, ESKEL_EMPTY where the step is so large that no surface is
+ * met. */
 ESKEL_API eskel_status eskel_surface_mesh(const eskel_surface *surface, double step, size_t triangles_max,
 	eskel_mesh **mesh, eskel_error *error);
 
@@ -874,12 +876,12 @@ typedef enum {
 typedef struct {
 	eskel_fit_method method;
 	eskel_fit_freedom freedom;
-	uint32_t boundary_points;           /* that are fitted to; default 1200 + 150 level */
+	uint32_t boundary_points;           /* that are fitted to, 8 to 1,000,000; default 1200 + 150 level */
 	uint64_t seed;                      /* of tabu and hopping */
-	uint32_t hops;                      /* hopping: default 10 */
-	uint32_t tabu_neighbours;           /* t_n: default 5 */
+	uint32_t hops;                      /* hopping: default 10, at most 1000 */
+	uint32_t tabu_neighbours;           /* t_n: default 5, at most 1000 */
 	uint32_t tabu_memory;               /* t_v: default 10, at most 64 */
-	uint32_t tabu_steps;                /* default 200 */
+	uint32_t tabu_steps;                /* default 200, at most 1,000,000 */
 	double tabu_threshold;              /* mm, root mean square: a class with less is done; default a quarter of a voxel */
 	uint32_t threads;                   /* at most; default 1 */
 	bool (*progress)(void *context, uint32_t step, uint32_t steps); /* now and then; false: ESKEL_CANCELLED */

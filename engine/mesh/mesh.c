@@ -1,6 +1,7 @@
 #include "mesh.h"
 
 #include "memory.h"
+#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,13 +43,7 @@ static void double_area(const eskel_mesh *mesh, size_t triangle, double out[3])
 		u[i] = (double)mesh->vertices[t[1]][i] - mesh->vertices[t[0]][i];
 		v[i] = (double)mesh->vertices[t[2]][i] - mesh->vertices[t[0]][i];
 	}
-	for (int i = 0; i < 3; i++)
-		out[i] = u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3];
-}
-
-static double length_of(const double v[3])
-{
-	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+	esk_triple_cross(u, v, out);
 }
 
 double eskel_mesh_area(const eskel_mesh *mesh)
@@ -56,7 +51,7 @@ double eskel_mesh_area(const eskel_mesh *mesh)
 	double sum = 0, area[3];
 	for (size_t t = 0; t < mesh->triangle_count; t++) {
 		double_area(mesh, t, area);
-		sum += length_of(area);
+		sum += esk_triple_length(area);
 	}
 	return sum / 2;
 }
@@ -110,7 +105,7 @@ eskel_status esk_mesh_complete_normals(eskel_mesh *mesh)
 	for (size_t v = 0; v < mesh->vertex_count; v++) {
 		if (is_known(mesh->normals[v]))
 			continue;
-		const double length = length_of(sums[v]);
+		const double length = esk_triple_length(sums[v]);
 		for (int i = 0; i < 3; i++)
 			mesh->normals[v][i] = length > 0 ? (float)(sums[v][i] / length) : i == 2;
 	}

@@ -5,6 +5,7 @@
  * edges (union-find), and a vertex with corners in two sets is crowded. */
 #include "eskel.h"
 #include "memory.h"
+#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -118,17 +119,13 @@ static double angle_at(const eskel_mesh *mesh, const uint32_t *t, int corner)
 {
 	const float *p = mesh->vertices[t[corner]], *q = mesh->vertices[t[(corner + 1) % 3]],
 		    *s = mesh->vertices[t[(corner + 2) % 3]];
-	double u[3], v[3], dot = 0, square = 0;
+	double u[3], v[3], across[3];
 	for (int i = 0; i < 3; i++) {
 		u[i] = (double)q[i] - p[i];
 		v[i] = (double)s[i] - p[i];
-		dot += u[i] * v[i];
 	}
-	for (int i = 0; i < 3; i++) {
-		const double cross = u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3];
-		square += cross * cross;
-	}
-	return atan2(sqrt(square), dot) * (180 / 3.14159265358979323846);
+	esk_triple_cross(u, v, across);
+	return atan2(esk_triple_length(across), esk_triple_dot(u, v)) * (180 / 3.14159265358979323846);
 }
 
 static double least_angle(const eskel_mesh *mesh)

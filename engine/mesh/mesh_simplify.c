@@ -74,7 +74,7 @@ eskel_status eskel_mesh_simplify(
 		status = simplify(mesh, triangles, options->error, indices, &made, &reached);
 		if (status == ESKEL_OK)
 			status = is_manifold(made, &manifold);
-		manifold |= !before.is_manifold;
+		manifold |= !before.is_manifold || triangles == mesh->triangle_count;
 		if (status == ESKEL_OK && manifold) {
 			*simplified = made;
 			*error = reached;

@@ -59,6 +59,14 @@ void esk_mesh_to_frame(const esk_mesh_writer *w, const float vector[3], float ou
 	out[2] = vector[2];
 }
 
+void esk_mesh_put_vector(esk_mesh_writer *w, const float vector[3])
+{
+	float turned[3];
+	esk_mesh_to_frame(w, vector, turned);
+	for (int a = 0; a < 3; a++)
+		esk_mesh_put_f32(w, turned[a]);
+}
+
 eskel_status eskel_mesh_write(
 	const eskel_mesh *mesh, eskel_mesh_format format, eskel_frame frame, eskel_mesh_sink sink, void *context)
 {

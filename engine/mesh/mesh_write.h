@@ -25,6 +25,8 @@ void esk_mesh_put_text(esk_mesh_writer *writer, const char *format, ...) __attri
 const char *esk_mesh_frame_name(eskel_frame frame);
 /* A vertex or normal in the writer's frame. Both frames have the same hand, so triangles stay as they are. */
 void esk_mesh_to_frame(const esk_mesh_writer *writer, const float vector[3], float out[3]);
+/* The same, written in binary. */
+void esk_mesh_put_vector(esk_mesh_writer *writer, const float vector[3]);
 
 void esk_mesh_write_stl(esk_mesh_writer *writer, const eskel_mesh *mesh);
 void esk_mesh_write_ply(esk_mesh_writer *writer, const eskel_mesh *mesh);

@@ -75,12 +75,8 @@ static uint32_t make_json(const esk_mesh_writer *w, const eskel_mesh *mesh, char
 
 static void put_vectors(esk_mesh_writer *w, const float (*vectors)[3], size_t count)
 {
-	for (size_t v = 0; v < count && !w->stopped; v++) {
-		float turned[3];
-		esk_mesh_to_frame(w, vectors[v], turned);
-		for (int a = 0; a < 3; a++)
-			esk_mesh_put_f32(w, turned[a]);
-	}
+	for (size_t v = 0; v < count && !w->stopped; v++)
+		esk_mesh_put_vector(w, vectors[v]);
 }
 
 eskel_status esk_mesh_write_glb(esk_mesh_writer *w, const eskel_mesh *mesh)

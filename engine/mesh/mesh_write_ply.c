@@ -11,20 +11,12 @@ static void put_header(esk_mesh_writer *w, const eskel_mesh *mesh)
 		esk_mesh_frame_name(w->frame), mesh->vertex_count, mesh->triangle_count);
 }
 
-static void put_vector(esk_mesh_writer *w, const float vector[3])
-{
-	float turned[3];
-	esk_mesh_to_frame(w, vector, turned);
-	for (int a = 0; a < 3; a++)
-		esk_mesh_put_f32(w, turned[a]);
-}
-
 void esk_mesh_write_ply(esk_mesh_writer *w, const eskel_mesh *mesh)
 {
 	put_header(w, mesh);
 	for (size_t v = 0; v < mesh->vertex_count && !w->stopped; v++) {
-		put_vector(w, mesh->vertices[v]);
-		put_vector(w, mesh->normals[v]);
+		esk_mesh_put_vector(w, mesh->vertices[v]);
+		esk_mesh_put_vector(w, mesh->normals[v]);
 	}
 	for (size_t t = 0; t < mesh->triangle_count && !w->stopped; t++) {
 		esk_mesh_put(w, "\3", 1);

@@ -23,6 +23,9 @@ static const size_t default_triangles_max = (size_t)1 << 24;
 
 static const double longest_box = 1 << 20; /* in steps; coordinates of the lattice are at most twice that */
 
+/* Not the library's, of which the last bit is not the same everywhere. */
+static const double cube_root_of_2 = 1.2599210498948732;
+
 typedef struct {
 	const esk_field *field;
 	esk_trace trace;
@@ -140,7 +143,7 @@ static void start_lattice(const esk_field *field, const esk_polygonise_options *
 	for (int a = 0; a < 3; a++)
 		origin[a] = (o->least[a] + o->greatest[a]) / 2;
 	/* Two nodes in a cube of side 2 step_half. */
-	esk_lattice_start(lattice, field, origin, step * cbrt(2) / 2);
+	esk_lattice_start(lattice, field, origin, step * cube_root_of_2 / 2);
 }
 
 /* The triangles are as many as the area over the square of the step, so a surface that is too large is followed again with

@@ -21,9 +21,9 @@ typedef struct {
  * edge of the node nearest to a seed; scan adds each that has a node inside of it on a grid of four steps. A piece in which
  * no node lies is smaller than the step and not seen.
  *
- * ESKEL_INVALID for a step that is not positive or an empty box; ESKEL_EMPTY where no surface is met; ESKEL_TOO_LARGE for
- * more than triangles_max triangles, with a step that would do, for a box of more than 2^20 steps, or for a surface that
- * leaves the box. Memory is in proportion to the triangles, some 100 bytes for each. */
+ * ESKEL_INVALID for a step that is not positive, an empty box or a seed outside of it; ESKEL_EMPTY where no surface is met;
+ * ESKEL_TOO_LARGE for more than triangles_max triangles, with a step that would do, for a box of more than 2^20 steps, or
+ * for a surface that leaves the box. Memory is in proportion to the triangles, some 100 bytes for each. */
 eskel_status esk_polygonise(
 	const esk_field *field, const esk_polygonise_options *options, eskel_mesh **mesh, eskel_error *error);
 

@@ -3,6 +3,7 @@
 #include "algebraic.h"
 
 #include "memory.h"
+#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,11 +58,6 @@ static void add_row(normal_equations *e, size_t terms, const double *row, double
 	}
 }
 
-static double length_of(const double v[3])
-{
-	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* What P may be off at this distance from the centre: r^D + 1. A point far out counts no more than others. */
 static double size_at(unsigned degree, double r)
 {
@@ -83,7 +79,7 @@ static void add_boundary(const esk_algebraic *a, const double (*points)[3], size
 			for (int c = 0; c < 3; c++)
 				u[r] += a->to_frame[r][c] * (points[p][c] - a->centre[c]);
 		}
-		const double size = size_at(a->degree, length_of(u));
+		const double size = size_at(a->degree, esk_triple_length(u));
 		make_row(a->degree, u, row);
 		add_row(e, terms, row, 0, 1 / (size * size * (double)count));
 	}
@@ -94,7 +90,7 @@ static void add_boundary(const esk_algebraic *a, const double (*points)[3], size
 /* In the direction of a point of a grid on a face of the cube. */
 static void add_direction(unsigned degree, const double direction[3], normal_equations *e)
 {
-	const double length = length_of(direction);
+	const double length = esk_triple_length(direction);
 	const size_t shells = sizeof radii / sizeof *radii;
 	for (size_t s = 0; s < shells; s++) {
 		const double size = size_at(degree, radii[s]);

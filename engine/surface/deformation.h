@@ -1,6 +1,6 @@
 /* The deformations of a primitive (section 3.5; Barr, "Global and local deformations of solid primitives", 1984): steps 2, 3
  * and 4 of the map in eskel.h from the frame to the unit superquadric, each with its Jacobian, its part of the jet and the
- * derivatives by its modes. The file deformation.c has the maps the other way. */
+ * derivatives by its modes. */
 #ifndef ESK_DEFORMATION_H
 #define ESK_DEFORMATION_H
 
@@ -8,8 +8,8 @@
 #include "jet.h"
 #include "form.h"
 
-/* Coordinates that modes depend on go no further. The primitive lies within 1; beyond, high powers would draw the field into
- * spikes that no sample of the outside meets. */
+/* Coordinates that modes depend on go no further. Where no mode moves it the primitive lies within 1; beyond, high powers
+ * would draw the field into spikes that no sample of the outside meets. */
 #define ESK_REACH 1.25
 
 /* A coordinate within the reach, and whether it moves. */

@@ -28,9 +28,6 @@ typedef struct {
 
 void esk_form_make(const eskel_primitive *primitive, esk_form *form);
 
-/* From the unit superquadric (a point before step 5 of eskel.h) to world mm. */
-void esk_form_place(const esk_form *form, const double unit[3], double world[3]);
-
 /* At eight points, point[axis][lane]. Lanes do not mix: a point has the same bits in any of them. */
 void esk_form_values(const esk_form *form, const esk_lanes point[3], esk_lanes values);
 void esk_form_gradients(const esk_form *form, const esk_lanes point[3], esk_lanes values, esk_lanes gradients[3]);

@@ -1,6 +1,7 @@
 #include "primitive.h"
 
 #include "elementary.h"
+#include "triple.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,26 +22,15 @@ static bool is_within(double value, double least, double most)
 	return value >= least && value <= most; /* also refuses NaN */
 }
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	for (int i = 0; i < 3; i++)
-		out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 static bool is_frame(const double axes[3][3])
 {
 	double third[3];
 	bool good = true;
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j <= i; j++)
-			good = good && fabs(dot(axes[i], axes[j]) - (i == j)) < 1e-9;
-	cross(axes[0], axes[1], third);
-	return good && dot(third, axes[2]) > 0;
+			good = good && fabs(esk_triple_dot(axes[i], axes[j]) - (i == j)) < 1e-9;
+	esk_triple_cross(axes[0], axes[1], third);
+	return good && esk_triple_dot(third, axes[2]) > 0;
 }
 
 /* A kind has nothing that it is not encoded with. */
@@ -79,15 +69,15 @@ bool esk_primitive_is_valid(const eskel_primitive *primitive)
 /* v turned about the rotation vector (Rodrigues). */
 static void rotate(const double vector[3], double v[3])
 {
-	const double angle = sqrt(dot(vector, vector));
+	const double angle = esk_triple_length(vector);
 	double sine, cosine, axis[3], side[3];
 	if (!(angle > 0))
 		return;
 	esk_elementary_sine_cosine(angle, &sine, &cosine);
 	for (int i = 0; i < 3; i++)
 		axis[i] = vector[i] / angle;
-	cross(axis, v, side);
-	const double along = dot(axis, v) * (1 - cosine);
+	esk_triple_cross(axis, v, side);
+	const double along = esk_triple_dot(axis, v) * (1 - cosine);
 	for (int i = 0; i < 3; i++)
 		v[i] = v[i] * cosine + side[i] * sine + axis[i] * along;
 }
@@ -95,16 +85,16 @@ static void rotate(const double vector[3], double v[3])
 /* Many small rotations would leave a frame that is not one. */
 static void straighten(double axes[3][3])
 {
-	const double length = sqrt(dot(axes[2], axes[2]));
+	const double length = esk_triple_length(axes[2]);
 	for (int i = 0; i < 3; i++)
 		axes[2][i] /= length;
-	const double lean = dot(axes[0], axes[2]);
+	const double lean = esk_triple_dot(axes[0], axes[2]);
 	for (int i = 0; i < 3; i++)
 		axes[0][i] -= lean * axes[2][i];
-	const double left = sqrt(dot(axes[0], axes[0]));
+	const double left = esk_triple_length(axes[0]);
 	for (int i = 0; i < 3; i++)
 		axes[0][i] /= left;
-	cross(axes[2], axes[0], axes[1]);
+	esk_triple_cross(axes[2], axes[0], axes[1]);
 }
 
 /* The first six: along the axes as they are before. */

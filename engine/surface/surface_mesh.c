@@ -1,32 +1,22 @@
 /* The mesh of a composed surface (section 4): its field polygonised from the centres of its classes. */
+#include "elementary.h"
 #include "polygonise.h"
 #include "surface.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Points whose values are computed beside their gradients and dropped. */
-enum { PIECE = 64 };
-
-static void gradients(const void *context, size_t count, const double (*points)[3], double (*out)[3])
-{
-	double values[PIECE];
-	for (size_t done = 0; done < count; done += PIECE) {
-		const size_t some = count - done < PIECE ? count - done : PIECE;
-		esk_composition_gradients(context, some, points + done, values, out + done);
-	}
-}
-
-/* A box that holds the whole surface.
+/* A box that mostly holds the whole surface.
  *
  * On a blend of n classes some alpha_i d_i is at most ln n, for n exp(-min alpha_i d_i) is at least the sum that is 1. Where
  * d_i is that of an ellipsoid, r^2 - 1 with r in radii, this says how far. A superquadric's corners lie sqrt 3 times as far
- * out, an algebraic surface within three radii. Modes as fits find them at most double a radius and bend by another;
- * a surface that modes at their limits lead out of the box is refused. */
+ * out, an algebraic surface within a box of three radii. Modes as fits find them at most double a radius and bend by another.
+ * What all the same leads out of the box is refused: modes at their limits, or an algebraic class in the corners of its own
+ * box or in a blend. */
 static void set_box(const eskel_surface *surface, esk_polygonise_options *options)
 {
 	const esk_composition *composition = &surface->composition;
-	const double classes = composition->compose == ESKEL_COMPOSE_BLEND ? log(composition->count) : 0;
+	const double classes = composition->compose == ESKEL_COMPOSE_BLEND ? esk_elementary_log(composition->count) : 0;
 	for (uint32_t i = 0; i < composition->count; i++) {
 		const eskel_primitive *p = &surface->primitives[i];
 		const double longest = fmax(fmax(p->radii[0], p->radii[1]), p->radii[2]);
@@ -48,8 +38,7 @@ eskel_status eskel_surface_mesh(
 		.seeds = (const double(*)[3])seeds,
 		.seed_count = surface->composition.count,
 		.triangles_max = triangles_max};
-	esk_field field = esk_composition_field(&surface->composition);
-	field.gradients = gradients;
+	const esk_field field = esk_composition_field(&surface->composition);
 	for (uint32_t i = 0; i < surface->composition.count; i++)
 		memcpy(seeds[i], surface->primitives[i].centre, sizeof seeds[i]);
 	set_box(surface, &options);

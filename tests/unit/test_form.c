@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "deformations.h"
 #include "form.h"
 #include "synthetic.h"
 
@@ -137,7 +138,7 @@ static void random_points(uint64_t *state, const esk_form *form, esk_lanes point
 			unit[i] = (double)uniform(state, 0.1L, 1.2L);
 			unit[i] = synthetic_random(state) & 1 ? unit[i] : -unit[i];
 		}
-		esk_form_place(form, unit, world);
+		deformations_undo(form, unit, world);
 		for (int i = 0; i < 3; i++)
 			point[i][l] = world[i];
 	}

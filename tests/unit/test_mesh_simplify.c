@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "fields.h"
+#include "mesh.h"
 #include "polygonise.h"
 
 #include <math.h>
@@ -67,6 +68,21 @@ static void a_number_of_triangles_is_reached(void **state)
 	eskel_mesh_free(mesh);
 }
 
+/* Nothing can be taken from it, and it is as closed as any. */
+static void a_mesh_without_triangles_stays_so(void **state)
+{
+	(void)state;
+	eskel_mesh *empty = esk_mesh_new(0, 0), *simple = NULL;
+	double error = -1;
+	assert_non_null(empty);
+	const eskel_simplify_options options = {.triangles = 10};
+	assert_int_equal(eskel_mesh_simplify(empty, &options, &simple, &error), ESKEL_OK);
+	assert_int_equal(simple->triangle_count, 0);
+	assert_true(error == 0);
+	eskel_mesh_free(simple);
+	eskel_mesh_free(empty);
+}
+
 static void a_reordered_mesh_is_the_same(void **state)
 {
 	(void)state;
@@ -91,6 +107,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_simplified_mesh_is_a_manifold_near_to_the_surface),
 		cmocka_unit_test(a_number_of_triangles_is_reached),
+		cmocka_unit_test(a_mesh_without_triangles_stays_so),
 		cmocka_unit_test(a_reordered_mesh_is_the_same),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

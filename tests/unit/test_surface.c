@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "deformations.h"
 #include "form.h"
 #include "shapes.h"
 #include "skeletons.h"
@@ -308,7 +309,7 @@ static eskel_primitive random_primitive(uint64_t *state, eskel_primitive_kind ki
 	return p;
 }
 
-/* All modes at once; or one alone, at its limit: all at their limits would throw points 1e30 mm away. */
+/* All modes at once; or one alone, at its limit: all at their limits would throw points 10,000 radii away. */
 static void deformations_are_undone_exactly(void **unused)
 {
 	(void)unused;
@@ -323,7 +324,7 @@ static void deformations_are_undone_exactly(void **unused)
 		esk_form_make(&p, &form);
 		for (int i = 0; i < 3; i++)
 			unit[i] = uniform(&state, -1, 1);
-		esk_form_place(&form, unit, world);
+		deformations_undo(&form, unit, world);
 		const double expected = unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2] - 1;
 		assert_close(value_at(&p, world[0] - p.centre[0], world[1] - p.centre[1], world[2] - p.centre[2]),
 			expected, 1e-9);
@@ -395,7 +396,7 @@ static void derivatives_are_finite_on_axes_and_at_the_centre(void **unused)
 		for (int l = 0; l < ESK_LANES; l++) {
 			double world[3];
 			const double unit[3] = {l & 1 ? 0.5 : 0, l & 2 ? 0.7 : 0, l & 4 ? -0.4 : 0};
-			esk_form_place(&form, unit, world);
+			deformations_undo(&form, unit, world);
 			for (int i = 0; i < 3; i++)
 				point[i][l] = world[i];
 		}
@@ -504,6 +505,36 @@ static void corrupted_bytes_are_refused_or_harmless(void **unused)
 	eskel_surface_free(surface);
 }
 
+static void points_that_no_polynomial_fits_are_refused(void **unused)
+{
+	(void)unused;
+	const eskel_primitive ball = upright(ESKEL_PRIMITIVE_ELLIPSOID, 4, 4, 4);
+	const double far[1][3] = {{1e200, 0, 0}}, nowhere[1][3] = {{0, NAN, 0}}, good[1][3] = {{5, -2, 3}};
+	const struct {
+		uint32_t class_index;
+		unsigned degree;
+		const double (*points)[3];
+		size_t count;
+		eskel_status status;
+	} cases[] = {
+		{1, 4, good, 1, ESKEL_INVALID},
+		{0, 3, good, 1, ESKEL_INVALID},
+		{0, 4, good, 0, ESKEL_INVALID},
+		{0, 4, nowhere, 1, ESKEL_INVALID},
+		{0, 4, far, 1, ESKEL_NUMERIC},
+		{0, 4, good, 1, ESKEL_OK},
+	};
+	eskel_surface *surface = surface_of(&ball, 1, ESKEL_COMPOSE_BLEND);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		assert_int_equal(eskel_surface_primitive(surface, 0)->kind, ESKEL_PRIMITIVE_ELLIPSOID);
+		assert_int_equal(eskel_surface_set_algebraic(surface, cases[i].class_index, cases[i].degree,
+					 cases[i].points, cases[i].count),
+			cases[i].status);
+	}
+	assert_int_equal(eskel_surface_primitive(surface, 0)->kind, ESKEL_PRIMITIVE_ALGEBRAIC);
+	eskel_surface_free(surface);
+}
+
 static void numbers_out_of_range_are_refused(void **unused)
 {
 	(void)unused;
@@ -552,6 +583,7 @@ int main(void)
 		cmocka_unit_test(the_round_trip_is_exact),
 		cmocka_unit_test(truncated_bytes_are_refused),
 		cmocka_unit_test(corrupted_bytes_are_refused_or_harmless),
+		cmocka_unit_test(points_that_no_polynomial_fits_are_refused),
 		cmocka_unit_test(numbers_out_of_range_are_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

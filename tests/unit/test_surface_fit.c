@@ -111,7 +111,19 @@ static void the_normal_equations_are_those_of_differences(void **state)
 	for (size_t p = 0; p < ALL; p++)
 		differentiate(&f, e, primitives, p, columns + p * count, &c);
 	measure_stepped(e, primitives, 0, 0, &c);
-	esk_normal_equations_derive(e, &c, ESK_PARAMETERS_ALL, matrix, vector);
+	esk_normal_equations_derive(e, ESK_PARAMETERS_ALL, matrix, vector);
+	for (size_t p = 0; p < ALL; p++) {
+		double sum = 0, squares[2] = {0};
+		for (size_t i = 0; i < count; i++) {
+			const double weight = f.points->groups[i / ESK_LANES].weights[i % ESK_LANES];
+			const double r = sqrt(weight) * esk_normal_equations_residuals(e, i / ESK_LANES)[i % ESK_LANES];
+			sum += columns[p * count + i] * r;
+			squares[0] += columns[p * count + i] * columns[p * count + i];
+			squares[1] += r * r;
+		}
+		if (fabs(vector[p] - sum) > 2e-3 * sqrt(squares[0] * squares[1]) + 1e-9)
+			fail_msg("parameter %zu: %g, by differences %g", p, vector[p], sum);
+	}
 	for (size_t p = 0; p < ALL; p++)
 		for (size_t q = p; q < ALL; q++) {
 			double sum = 0, squares[2] = {0};
@@ -305,6 +317,29 @@ static void a_fit_stops_when_told(void **state)
 	clear_fixture(&f);
 }
 
+/* Also where a centre is off: it is inside of the surface. */
+static void errors_are_measured_of_any_surface_that_is_near(void **state)
+{
+	(void)state;
+	fixture f = make_fixture(small_hamate(&shapes_identity), 2, 100);
+	const eskel_fit_options options = {.freedom = ESKEL_FIT_ELLIPSOID, .boundary_points = 300};
+	eskel_reconstruction *r = fit(&f, 2, &options);
+	eskel_surface_error errors = {0};
+	eskel_error error = {0};
+	assert_int_equal(eskel_surface_errors(r->surface, f.cloud, 2, &errors, &error), ESKEL_OK);
+	assert_memory_equal(&errors, &r->after, sizeof errors);
+	eskel_primitive far = *eskel_surface_primitive(r->surface, 0);
+	eskel_surface *surface = NULL;
+	far.centre[1] += 1000;
+	assert_int_equal(eskel_surface_compose(&far, 1, ESKEL_COMPOSE_BLEND, &surface), ESKEL_OK);
+	assert_int_equal(eskel_surface_errors(surface, f.cloud, 1, &errors, &error), ESKEL_TOO_LARGE);
+	assert_int_equal(error.status, ESKEL_TOO_LARGE);
+	assert_memory_equal(&errors, &r->after, sizeof errors);
+	eskel_surface_free(surface);
+	eskel_reconstruction_free(r);
+	clear_fixture(&f);
+}
+
 static void odd_clouds_are_fitted_or_refused(void **state)
 {
 	(void)state;
@@ -330,6 +365,7 @@ int main(void)
 		cmocka_unit_test(fits_of_mirrored_and_moved_shapes_are_as_good),
 		cmocka_unit_test(hopping_is_never_worse),
 		cmocka_unit_test(a_fit_stops_when_told),
+		cmocka_unit_test(errors_are_measured_of_any_surface_that_is_near),
 		cmocka_unit_test(odd_clouds_are_fitted_or_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
-/* The map of eskel.h from the unit superquadric to the world: its steps undone, the last one first. What a step depends on
- * is known when it is undone: x at once, then y, then z for the bends and tapers. */
+#include "deformations.h"
+
 #include "deformation.h"
 
 static esk_vector unwarp(const double *modes, esk_vector u)
@@ -27,7 +27,7 @@ static esk_vector unbend(const double *modes, esk_vector u)
 	return (esk_vector){b.cosine * x - b.sine * y, b.sine * x + b.cosine * y, u.z};
 }
 
-void esk_form_place(const esk_form *form, const double unit[3], double world[3])
+void deformations_undo(const esk_form *form, const double unit[3], double world[3])
 {
 	esk_vector u = unwarp(form->modes, (esk_vector){unit[0], unit[1], unit[2]});
 	u = unbend(form->modes, unscale(form->modes, form->widening, u));
