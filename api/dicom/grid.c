@@ -43,6 +43,8 @@ static void warn(eskel_volume_info *info, const char *format, ...) __attribute__
 
 static void warn(eskel_volume_info *info, const char *format, ...)
 {
+	if (info->warning_count == ESKEL_VOLUME_WARNINGS_MAX)
+		return;
 	eskel_warning *warning = &info->warnings[info->warning_count++];
 	va_list arguments;
 	va_start(arguments, format);

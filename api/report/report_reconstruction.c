@@ -19,6 +19,7 @@ static bool write_one(const json_t *answer, FILE *out, bool colour)
 {
 	static const esk_column columns[] = {{"error", false}, {"before", true}, {"after", true}};
 	const json_t *bytes = json_object_get(answer, "bytes");
+	const json_t *mesh_ratio = json_object_get(bytes, "mesh_ratio");
 	esk_table *table = esk_table_new(columns, 3);
 	for (size_t i = 0; i < sizeof measures / sizeof *measures; i++) {
 		esk_table_cell(table, measures[i].title);
@@ -32,10 +33,12 @@ static bool write_one(const json_t *answer, FILE *out, bool colour)
 	esk_table_write_plain(out, esk_report_member(answer, "primitive"));
 	fputs(", fitted by ", out);
 	esk_table_write_plain(out, esk_report_member(answer, "method"));
-	fprintf(out, "\n%lld bytes: the voxels have %.0f times as many, a mesh of medium step %.0f times\n",
+	fprintf(out, "\n%lld bytes: the voxels have %.0f times as many",
 		(long long)json_integer_value(json_object_get(bytes, "surface")),
-		json_number_value(json_object_get(bytes, "volume_ratio")),
-		json_number_value(json_object_get(bytes, "mesh_ratio")));
+		json_number_value(json_object_get(bytes, "volume_ratio")));
+	if (json_is_number(mesh_ratio))
+		fprintf(out, ", a mesh of medium step %.0f times", json_number_value(mesh_ratio));
+	fputc('\n', out);
 	return whole;
 }
 

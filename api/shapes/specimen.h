@@ -17,7 +17,7 @@ typedef struct {
 	size_t count;
 	esk_specimen *items;
 	size_t warning_count; /* of the volume, which every label shares */
-	eskel_warning warnings[4];
+	eskel_warning warnings[ESKEL_VOLUME_WARNINGS_MAX];
 } esk_specimens;
 
 /* Finishes the exchange's volume and takes the labels that are asked for (all without a label parameter), ascending, with

@@ -19,7 +19,7 @@
 #define OBLIQUE .5
 
 /* The volume's own and one for each kind that a label may add. */
-#define MOST_WARNINGS (4 + 8)
+#define MOST_WARNINGS (ESKEL_VOLUME_WARNINGS_MAX + 8)
 
 static void warn(eskel_shape *shape, eskel_warning_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));

@@ -192,6 +192,8 @@ ESKEL_API eskel_status eskel_volume_feed(eskel_volume *volume, const void *bytes
 ESKEL_API eskel_status eskel_volume_finish(eskel_volume *volume, eskel_error *error);
 ESKEL_API void eskel_volume_free(eskel_volume *volume);
 
+#define ESKEL_VOLUME_WARNINGS_MAX 4 /* of one volume; what would be more is not said */
+
 /* The rest is for a finished volume. */
 typedef struct {
 	const char *format;            /* "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "MGH", "STL", "PLY", "OBJ" or what runs began with, static */
@@ -199,7 +201,7 @@ typedef struct {
 	uint32_t extent[3];
 	eskel_affine affine;
 	size_t warning_count;
-	eskel_warning warnings[4];
+	eskel_warning warnings[ESKEL_VOLUME_WARNINGS_MAX];
 } eskel_volume_info;
 
 ESKEL_API const eskel_volume_info *eskel_volume_get_info(const eskel_volume *volume);

@@ -21,6 +21,8 @@ eskel_status esk_volume_check_extent(const uint32_t extent[3], uint64_t most, es
 
 void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
 {
+	if (info->warning_count == ESKEL_VOLUME_WARNINGS_MAX)
+		return;
 	eskel_warning *warning = &info->warnings[info->warning_count++];
 	va_list arguments;
 	va_start(arguments, format);

@@ -15,7 +15,7 @@
 
 /* Enough that the server computes while files are read and rows are written; its processors are shared anyway. */
 enum { default_connections = 4, most_connections = 64 };
-static const double most_wait_seconds = 300, watch_seconds = 0.1;
+static const double watch_seconds = 0.1;
 
 typedef struct {
 	esk_session *session;
@@ -76,18 +76,17 @@ static bool send_patiently(
 	pool *p, esk_client *client, const esk_posting *posting, esk_answer *answer, esk_outcome *outcome)
 {
 	const esk_request request = {.path = "/shapes", .query = posting->query, .file = posting->file};
-	double waited = 0;
+	long waited = 0;
 	for (;;) {
 		*outcome = esk_client_send(client, &request, answer);
-		const bool busy = !*outcome && (answer->status == 429 || answer->status == 503);
-		if (!busy || waited >= most_wait_seconds)
+		const long seconds = *outcome ? 0 : esk_answer_wait(answer);
+		if (seconds == 0 || waited >= ESK_WAIT_MOST)
 			return true;
-		const long seconds = answer->retry_after > 0 ? answer->retry_after : 1;
 		free(answer->body);
 		*answer = (esk_answer){0};
 		if (!wait_for(p, seconds))
 			return false;
-		waited += (double)seconds;
+		waited += seconds;
 	}
 }
 

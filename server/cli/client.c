@@ -312,6 +312,13 @@ static esk_outcome transfer(esk_client *client, const esk_request *request, sink
 	return ESK_DONE;
 }
 
+long esk_answer_wait(const esk_answer *answer)
+{
+	if (answer->status != 429 && answer->status != 503)
+		return 0;
+	return answer->retry_after > 0 ? answer->retry_after : 1;
+}
+
 esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer)
 {
 	sink s = {0};

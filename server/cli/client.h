@@ -36,6 +36,10 @@ typedef struct {
 	bool weights;     /* it is a volume whose voxels are weights */
 } esk_answer;
 
+/* Seconds to wait before asking again what the server had no time for (429, 503), as it says; 0: it has answered. */
+long esk_answer_wait(const esk_answer *answer);
+enum { ESK_WAIT_MOST = 300 }; /* seconds; a server that is busy for longer is given up by those who wait */
+
 /* Any HTTP answer is ESK_DONE; ESK_MISUSED for a file that cannot be read, ESK_UNREACHABLE without an answer, both with
  * a complaint. */
 esk_outcome esk_client_send(esk_client *client, const esk_request *request, esk_answer *answer);

@@ -34,23 +34,23 @@ typedef struct {
 /* What became of a shape that the list named: GONE when it was deleted meanwhile. */
 typedef enum { FOUND, GONE, REFUSED } found_shape;
 
-static const int most_waits = 300; /* seconds; a server that is busy for longer is given up */
-
 /* ---- requests */
 
 /* The answer, or the body in the file at path, once the server has time. What it refuses is an answer too. */
 static esk_outcome ask(export *e, const esk_request *request, const char *path, esk_answer *answer)
 {
-	for (int waits = 0;; waits++) {
+	for (long waited = 0;;) {
 		esk_outcome outcome = path ? esk_client_download(e->client, request, path, answer)
 					   : esk_client_send(e->client, request, answer);
 		if (outcome)
 			return esk_complain(outcome, "%s", esk_client_complaint(e->client));
-		if ((answer->status != 429 && answer->status != 503) || waits == most_waits)
+		const long seconds = esk_answer_wait(answer);
+		if (seconds == 0 || waited >= ESK_WAIT_MOST)
 			return ESK_DONE;
 		free(answer->body);
 		*answer = (esk_answer){0};
-		nanosleep(&(struct timespec){.tv_sec = 1}, NULL);
+		nanosleep(&(struct timespec){.tv_sec = seconds}, NULL);
+		waited += seconds;
 	}
 }
 
