@@ -34,9 +34,12 @@ class Queue(unittest.TestCase):
     def test_a_lost_or_refused_upload_gives_its_place_back(self):
         with Daemon("--queue", "1") as daemon:
             for sent in (b"", blob(1)[:1000]):
-                begin_upload(daemon, 100000, sent=sent).close()
+                with begin_upload(daemon, 100000, sent=sent):
+                    wait_until(lambda: daemon.metric("eskeld_queue_places_taken") == 1, "the upload has the place")
                 wait_until(lambda: daemon.metric("eskeld_queue_places_taken") == 0, "the place of a lost upload is free")
-            with begin_upload(daemon, 100000, sent=b"not a volume" * 1000):
+            with begin_upload(daemon, 100000) as upload:
+                wait_until(lambda: daemon.metric("eskeld_queue_places_taken") == 1, "the upload has the place")
+                upload.sendall(b"not a volume" * 1000)
                 wait_until(lambda: daemon.metric("eskeld_queue_places_taken") == 0, "that of a refused one is free")
             self.assertEqual(daemon.request("POST", "/shapes", blob(1))[0], 201)
 
