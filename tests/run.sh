@@ -19,7 +19,7 @@ if command -v ccache >/dev/null; then launcher=-DCMAKE_C_COMPILER_LAUNCHER=ccach
 passed=0
 failed=0
 
-# FOLDER COMPILER SANITIZERS ISAL FUZZ, then CTest's options
+# FOLDER COMPILER SANITIZERS ISAL FUZZ, then CTest's options. One test more than processors: some wait for deadlines.
 test_build() {
 	folder=$1 compiler=$2 sanitizers=$3 isal=$4 fuzz=$5
 	shift 5
@@ -28,7 +28,7 @@ test_build() {
 		-DESKEL_TESTS="$([ "$fuzz" = ON ] && echo OFF || echo ON)" -DESKEL_FUZZ="$fuzz" -DESKEL_WERROR=ON \
 		-DESKEL_SANITIZE="$sanitizers" -DESKEL_ISAL="$isal" $launcher >/dev/null
 	cmake --build "$folder" -- --quiet
-	ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@" 2>&1 |
+	ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel $(($(nproc) + 1)) "$@" 2>&1 |
 		tee "$folder/report"
 	# "99% tests passed, 1 tests failed out of 80"; without that line, CTest itself failed
 	# shellcheck disable=SC2046 # two numbers
