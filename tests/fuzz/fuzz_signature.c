@@ -19,8 +19,12 @@ static void expect_encoding(const eskel_signature *signature, const uint8_t *byt
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	eskel_signature *signature = NULL;
-	if (eskel_signature_decode(data, size, &signature, NULL) != ESKEL_OK)
+	eskel_error error = {0};
+	if (eskel_signature_decode(data, size, &signature, &error) != ESKEL_OK) {
+		if (signature || error.text[0] == '\0')
+			abort();
 		return 0;
+	}
 	expect_encoding(signature, data, size);
 	eskel_signature_free(signature);
 	return 0;

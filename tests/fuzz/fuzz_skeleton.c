@@ -19,8 +19,12 @@ static void expect_encoding(const eskel_skeleton *skeleton, const uint8_t *bytes
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	eskel_skeleton *skeleton = NULL;
-	if (eskel_skeleton_decode(data, size, &skeleton, NULL) != ESKEL_OK)
+	eskel_error error = {0};
+	if (eskel_skeleton_decode(data, size, &skeleton, &error) != ESKEL_OK) {
+		if (skeleton || error.text[0] == '\0')
+			abort();
 		return 0;
+	}
 	expect_encoding(skeleton, data, size);
 	eskel_skeleton_free(skeleton);
 	return 0;

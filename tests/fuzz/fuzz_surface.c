@@ -32,8 +32,12 @@ static void expect_values(const eskel_surface *surface)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	eskel_surface *surface = NULL;
-	if (eskel_surface_decode(data, size, &surface, NULL) != ESKEL_OK)
+	eskel_error error = {0};
+	if (eskel_surface_decode(data, size, &surface, &error) != ESKEL_OK) {
+		if (surface || error.text[0] == '\0')
+			abort();
 		return 0;
+	}
 	expect_encoding(surface, data, size);
 	expect_values(surface);
 	eskel_surface_free(surface);

@@ -1,6 +1,8 @@
 /* Any bytes of a file of FUZZ_FORMAT, which is one of those below, decoded whole and in pieces: the same status and sentence,
  * or the same clouds, whose encoding decodes, and names. What is not gzipped and can be read but for its values is read as
- * weights too, and a mesh with a spacing. */
+ * weights too, and a mesh with a spacing. And the bytes of
+ * MGH files as voxels: their changes are the same with vectors and without. */
+#include "../../engine/volume/changes.h"
 #include "eskel.h"
 #include "fuzz.h"
 
@@ -75,6 +77,8 @@ static void encode(const eskel_volume *volume, size_t index, uint8_t **bytes, si
 	unsigned sides;
 	*bytes = NULL;
 	*size = 0;
+	if (!eskel_volume_get_info(volume)->format)
+		abort();
 	if (eskel_volume_border(volume, label, &sides) != ESKEL_OK)
 		abort();
 	/* An affine at the edge of what is allowed, or a huge offset, may be refused here. */
@@ -129,6 +133,20 @@ static eskel_status decode_twice(const uint8_t *data, size_t size, reading how)
 	return error.status;
 }
 
+static void expect_changes(const uint8_t *data, size_t size)
+{
+	enum { largest_voxel = 8, most_bytes = 1 << 12 };
+	static uint16_t offsets[most_bytes], other_offsets[most_bytes];
+	size = size < most_bytes ? size : most_bytes;
+	for (unsigned voxel = 1; voxel <= largest_voxel && 2 * voxel <= size; voxel *= 2) {
+		const size_t whole = (size / voxel - 1) * voxel; /* all but the first */
+		const size_t count = esk_changes_find(data + voxel, whole, voxel, offsets);
+		if (count != esk_changes_find_plainly(data + voxel, whole, voxel, other_offsets) ||
+			memcmp(offsets, other_offsets, count * sizeof *offsets) != 0)
+			abort();
+	}
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	const file_format format = format_of(data, size);
@@ -139,5 +157,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		decode_twice(data, size, (reading){.weights = true});
 	if (format == MESH)
 		decode_twice(data, size, (reading){.spacing = 1});
+	if (format == MGH)
+		expect_changes(data, size);
 	return 0;
 }
