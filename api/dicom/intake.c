@@ -13,8 +13,8 @@
 
 enum { preamble = 128, head_size = preamble + 4, gzip_first_byte = 0x1f, gzip_head_size = 1024 };
 
-/* As much of the disk as gzipped DICOM may take; gzip inflates as much of nothing in three seconds. */
-static const uint64_t most_inflated = (uint64_t)1 << 29;
+/* As much of the disk as gzipped DICOM may take; gzip inflates as much of nothing in less than two seconds. */
+static const uint64_t most_inflated = (uint64_t)1 << 28;
 
 struct eskel_intake {
 	eskel_volume *volume;
