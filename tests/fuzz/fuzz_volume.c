@@ -133,6 +133,13 @@ static eskel_status decode_twice(const uint8_t *data, size_t size, reading how)
 	return error.status;
 }
 
+static void expect_beginning(const uint8_t *data, size_t size)
+{
+	uint8_t begin[132];
+	if (eskel_gzip_begin(data, size, begin, sizeof begin) > sizeof begin)
+		abort();
+}
+
 static void expect_changes(const uint8_t *data, size_t size)
 {
 	enum { largest_voxel = 8, most_bytes = 1 << 12 };
@@ -159,5 +166,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		decode_twice(data, size, (reading){.spacing = 1});
 	if (format == MGH)
 		expect_changes(data, size);
+	if (format == GZIP)
+		expect_beginning(data, size);
 	return 0;
 }
