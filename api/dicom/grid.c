@@ -197,8 +197,9 @@ static eskel_status find_places(const fitting *f, double least[2], double most[2
 			const double pixels = pixels_beside(f, i, a), whole = round(pixels);
 			if (fabs(pixels - whole) > tolerance)
 				return esk_refuse(error, ESKEL_UNSUPPORTED,
-					"frame %zu lies %.4g pixels beside frame 1, expected a whole number", i + 1,
-					pixels);
+					"frame %zu lies %.4g pixels beside frame 1, expected a whole number: slices "
+					"that shift, as of a tilted gantry, are to be resampled first",
+					i + 1, pixels);
 			least[a] = fmin(least[a], whole);
 			most[a] = fmax(most[a], whole);
 		}

@@ -132,7 +132,8 @@ static eskel_status await_end(esk_tool *tool, eskel_error *error)
 	return how == 0 ? ESKEL_OK
 			: esk_refuse(error, ESKEL_MALFORMED,
 				  "%s could not decode the DICOM file: it is damaged, needs more than 2 GiB of "
-				  "memory, or is compressed other than by deflation, or by run lengths of whole bytes",
+				  "memory, or is compressed other than by deflation, or by run lengths of whole bytes, "
+				  "which dcmdjpeg or dcmdjpls of DCMTK may undo",
 				  tool->program);
 }
 

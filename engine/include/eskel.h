@@ -155,6 +155,10 @@ ESKEL_API void eskel_components_free(eskel_components *components);
 
 /* ---------------------------------------------------------------------------------------------- volume */
 
+/* Writes the first bytes of what is gzipped, as far as the first size bytes of the gzip stream tell; returns how many, at
+ * most most. */
+ESKEL_API size_t eskel_gzip_begin(const uint8_t *bytes, size_t size, uint8_t *begin, size_t most);
+
 /* A push decoder: feed it the file's bytes as they arrive, in pieces of any size; rows become runs at once, and
  * memory is bounded by the runs. What the bytes are is decided by content. Reads NIfTI-1 and NIfTI-2 single files, NRRD
  * files with their voxels attached (raw, gzip, bzip2 or text; 3D Slicer segmentations among them), MetaImage files with

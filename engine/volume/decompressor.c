@@ -8,8 +8,11 @@
 #include <stdlib.h>
 
 /* Decoded bytes are scanned while they are still in the second-level cache. A window costs the inflater a copy of the
- * 32 KB before it, so it is not small. */
-enum { window_size = 1 << 18 };
+ * 32 KB before it, so it is not small. Fuzzers define one that their inputs fill. */
+#ifndef ESK_DECOMPRESSOR_WINDOW
+#define ESK_DECOMPRESSOR_WINDOW (1 << 18)
+#endif
+enum { window_size = ESK_DECOMPRESSOR_WINDOW };
 
 struct esk_decompressor {
 	esk_compression compression;

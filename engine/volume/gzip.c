@@ -199,3 +199,19 @@ bool esk_gzip_is_complete(const esk_gzip *gzip)
 {
 	return gzip->members > 0 && gzip->part == FIXED && gzip->at == 0;
 }
+
+size_t eskel_gzip_begin(const uint8_t *bytes, size_t size, uint8_t *begin, size_t most)
+{
+	esk_gzip *gzip = NULL;
+	size_t begun = 0;
+	if (esk_gzip_new(&gzip) != ESKEL_OK)
+		return 0;
+	eskel_status status = ESKEL_OK;
+	while (status == ESKEL_OK && size > 0 && begun < most) {
+		size_t used = 0;
+		status = esk_gzip_inflate(gzip, &bytes, &size, begin + begun, most - begun, &used, NULL);
+		begun += used;
+	}
+	esk_gzip_free(gzip);
+	return begun;
+}

@@ -383,9 +383,9 @@ eskel_status esk_metaimage_read_header(
 		return ESKEL_NOT_VOLUME;
 	if (size < *needed)
 		return ESKEL_OK;
-	/* Byte by byte, because nothing tells how long the header is. */
-	*needed = header_ends(bytes, size) ? size : size + 1;
-	if (*needed > largest_header)
+	const bool ended = header_ends(bytes, size); /* nothing else tells how long the header is */
+	*needed = ended ? size : largest_header;
+	if (!ended && size >= largest_header)
 		return esk_error_set(error, ESKEL_MALFORMED,
 			"the first %d bytes of the header have no line ElementDataFile = LOCAL", largest_header);
 	if (size < *needed)

@@ -1,7 +1,7 @@
 /* The headers of NRRD files with their voxels attached (Nearly Raw Raster Data, versions 1 to 5, as teem defines it).
  *
- * A header is lines of text up to an empty one. It is asked for a byte at a time, so that no byte behind it is taken, and
- * looked at where a line ends: a line that names another file is refused there, for such a header needs no empty line.
+ * A header is lines of text up to an empty one. It comes a line at a time, so that no byte behind it is taken: a line that
+ * names another file is refused where it ends, for such a header needs no empty line.
  *
  * Stricter than teem: a voxel must be of one type and size known from the header alone, a line or byte skip must be 0, and a
  * voxel's size must be said. A fourth axis is accepted when it is not in space and has one sample, or is the first and
@@ -334,7 +334,7 @@ eskel_status esk_nrrd_read_header(
 		esk_nrrd_field_named(name) == ESK_NRRD_DATA_FILE)
 		return refuse_data_file(value, error);
 	if (!line_ended || line.size > 0) {
-		*needed = size + 1;
+		*needed = largest_header;
 		return size < largest_header
 			       ? ESKEL_OK
 			       : esk_error_set(error, ESKEL_TOO_LARGE,

@@ -30,8 +30,15 @@ static const uint64_t most_bzip2_bytes = (uint64_t)1 << 30;
 
 enum { shortest_header = 4, largest_footer = 1 << 20 };
 
-static esk_header_reader *const header_readers[] = {
-	esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header};
+static const struct {
+	esk_header_reader *read;
+	bool in_lines;
+} header_readers[] = {
+	{esk_nifti_read_header, false},
+	{esk_nrrd_read_header, true},
+	{esk_metaimage_read_header, true},
+	{esk_mgh_read_header, false},
+};
 
 typedef enum { IN_HEADER, BEFORE_VOXELS, IN_VOXELS, IN_MESH, IN_RUNS, FINISHED } phase;
 
@@ -233,7 +240,7 @@ static eskel_status read_header(eskel_volume *v, eskel_error *error)
 	eskel_status status = ESKEL_NOT_VOLUME;
 	for (size_t i = v->reader; i < sizeof header_readers / sizeof *header_readers && status == ESKEL_NOT_VOLUME;
 		i++) {
-		status = header_readers[i](bytes, v->header_size, &v->header_needed, &v->header, error);
+		status = header_readers[i].read(bytes, v->header_size, &v->header_needed, &v->header, error);
 		v->reader = i;
 	}
 	if (status == ESKEL_NOT_VOLUME)
@@ -243,22 +250,33 @@ static eskel_status read_header(eskel_volume *v, eskel_error *error)
 	return status;
 }
 
+/* Takes what is needed, or its next line. *looked_for: there is what the reader waits for. */
+static eskel_status take_header(
+	eskel_volume *v, const uint8_t **bytes, size_t *size, bool *looked_for, eskel_error *error)
+{
+	const size_t missing = v->header_needed - v->header_size, most = *size < missing ? *size : missing;
+	const uint8_t *end = header_readers[v->reader].in_lines ? memchr(*bytes, '\n', most) : NULL;
+	const size_t taken = end ? (size_t)(end - *bytes) + 1 : most;
+	void *header_bytes = v->header_bytes;
+	if (!esk_memory_reserve(&header_bytes, &v->header_capacity, v->header_size + taken, 1))
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out in the header");
+	v->header_bytes = header_bytes;
+	memcpy(v->header_bytes + v->header_size, *bytes, taken);
+	v->header_size += taken;
+	*bytes += taken;
+	*size -= taken;
+	*looked_for = end || taken == missing;
+	return ESKEL_OK;
+}
+
 static eskel_status take_file(void *volume, const uint8_t *bytes, size_t size, eskel_error *error)
 {
 	eskel_volume *v = volume;
 	while (v->phase == IN_HEADER && size > 0) {
-		size_t missing = v->header_needed - v->header_size, taken = size < missing ? size : missing;
-		void *header_bytes = v->header_bytes;
-		if (!esk_memory_reserve(&header_bytes, &v->header_capacity, v->header_needed, 1))
-			return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out in the header");
-		v->header_bytes = header_bytes;
-		memcpy(v->header_bytes + v->header_size, bytes, taken);
-		v->header_size += taken;
-		bytes += taken;
-		size -= taken;
-		if (v->header_size < v->header_needed)
-			return ESKEL_OK;
-		eskel_status status = read_header(v, error);
+		bool looked_for = false;
+		eskel_status status = take_header(v, &bytes, &size, &looked_for, error);
+		if (status == ESKEL_OK && looked_for)
+			status = read_header(v, error);
 		if (status != ESKEL_OK)
 			return status;
 	}

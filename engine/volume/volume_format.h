@@ -31,9 +31,9 @@ size_t esk_volume_voxel_size(const esk_volume_header *header);
 eskel_status esk_volume_check_extent(const uint32_t extent[3], uint64_t most, eskel_error *error);
 
 /* Reads the header from the first size bytes of a file, at least 4. When it wants more it returns ESKEL_OK with
- * *needed > size, at most 2^20, and header untouched. Otherwise *needed <= size and header is complete: every extent
- * 1 to 65535, the affine checked; its segments are the caller's to clear. ESKEL_NOT_VOLUME, without a sentence, for another
- * format's bytes. */
+ * *needed > size, at most 2^20, and header untouched: it is then called with so many, and where a format is of lines with
+ * each more line. Otherwise *needed <= size and header is complete: every extent 1 to 65535, the affine checked; its segments
+ * are the caller's to clear. ESKEL_NOT_VOLUME, without a sentence, for another format's bytes. */
 typedef eskel_status esk_header_reader(
 	const uint8_t *bytes, size_t size, size_t *needed, esk_volume_header *header, eskel_error *error);
 

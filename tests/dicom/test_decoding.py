@@ -1,4 +1,6 @@
 """Segmentations as the label maps that they were made of, by count, volume, place and hand."""
+import gzip
+import io
 import pathlib
 import random
 import tempfile
@@ -155,6 +157,16 @@ class Encodings(Case):
             for lengths in ("+e", "-e"):
                 reading = Reading(convert("dcmconv", self.path, self.other, option, lengths))
                 self.assert_masks(reading, self.masks, PLAIN)
+
+    def test_gzipped_files(self):
+        plain = save(build(self.frames, self.segments, PLAIN), self.path)
+        whole = plain.read_bytes()
+        long_name = io.BytesIO()
+        with gzip.GzipFile("n" * 700, "wb", fileobj=long_name) as file:
+            file.write(whole)
+        for gzipped in gzip.compress(whole), gzip.compress(whole, 0), long_name.getvalue():
+            self.other.write_bytes(gzipped)
+            self.assertEqual(Reading(plain).labels, Reading(self.other).labels)
 
     def fractional(self, most, value):
         frames = [Frame(f.pixels * value, f.place, f.number) for f in self.frames]

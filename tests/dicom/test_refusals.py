@@ -1,4 +1,5 @@
 """Every bad file has its sentence."""
+import gzip
 import pathlib
 import tempfile
 import unittest
@@ -92,7 +93,9 @@ class Refusals(unittest.TestCase):
                  "frames 2 and 3 are of the same segment in the same slice, expected one"),
                 (lambda m: move(m, 2, [0, 0, 2.4]),
                  "the slice of frame 2 is at 1 mm, expected slices that are evenly 1.2 mm apart"),
-                (lambda m: move(m, 2, [0.5, 0, 2]), "frame 3 lies 0.5 pixels beside frame 1, expected a whole number"),
+                (lambda m: move(m, 2, [0.5, 0, 2]),
+                 "frame 3 lies 0.5 pixels beside frame 1, expected a whole number: slices that shift, as of a tilted gantry, are "
+                 "to be resampled first"),
                 (lambda m: move(m, 2, [1e5, 0, 2]),
                  "the frames reach over 100005 x 4 x 3 voxels, expected at most 65535 each way"),
                 (turn_one, "frame 3 has an orientation or spacing other than frame 1, expected one grid")):
@@ -117,6 +120,20 @@ class Refusals(unittest.TestCase):
             reading = Reading(self.path)
             self.assertRegex(reading.refusal, "could not decode the DICOM file|has no pixel data|breaks off", size)
 
+    def test_damaged_gzip(self):
+        whole = gzip.compress(save(good(), self.path).read_bytes())
+        for damaged in whole[:-9], whole[:-5] + b"\0" + whole[-4:], whole + b"more":
+            self.path.write_bytes(damaged)
+            self.assertIn("/usr/bin/gzip could not decode the DICOM file: it is damaged", Reading(self.path).refusal)
+
+    def test_a_gzip_bomb(self):
+        with gzip.open(self.path, "wb") as file:
+            file.write(bytes(128) + b"DICM")
+            for _ in range(257):
+                file.write(bytes(1 << 20))
+        self.assertEqual("the DICOM file is gzipped and has more than 268435456 bytes, expected it without gzip",
+                         Reading(self.path).refusal)
+
     def test_flipped_bytes_never_do_harm(self):
         save(good(), self.path)
         whole = bytearray(self.path.read_bytes())
@@ -133,6 +150,24 @@ class Refusals(unittest.TestCase):
         made.file_meta.TransferSyntaxUID = pydicom.uid.JPEG2000Lossless
         made.PixelData = pydicom.encaps.encapsulate([b"\xff\x4f\xff\x51" * 4] * 3)
         made["PixelData"].is_undefined_length = True
+        self.assert_compressed(made)
+
+    def test_run_lengths_of_bits(self):
+        made = good()
+        made.file_meta.TransferSyntaxUID = pydicom.uid.RLELossless
+        made.PixelData = pydicom.encaps.encapsulate([b"\1\0\0\0\x40" + bytes(59) + b"\0\xff\0\xff"] * 3)
+        made["PixelData"].is_undefined_length = True
+        self.assert_compressed(made)
+
+    def test_jpeg(self):
+        plain = save(build(frames_of(MASK, PLAIN, 1), [segment(1, "s")], PLAIN, kind="LABELMAP", bits=8), self.path)
+        for there, back in (("dcmcjpeg", "dcmdjpeg"), ("dcmcjpls", "dcmdjpls")):
+            compressed = convert(there, plain, self.path.with_suffix(".compressed"))
+            self.assertIn("which dcmdjpeg or dcmdjpls of DCMTK may undo", Reading(compressed).refusal)
+            undone = convert(back, compressed, self.path.with_suffix(".undone"))
+            self.assertEqual(Reading(plain).labels, Reading(undone).labels)
+
+    def assert_compressed(self, made):
         self.assertIn("is compressed other than by deflation, or by run lengths of whole bytes", self.refusal(made))
 
 

@@ -20,8 +20,12 @@ static void expect_encoding(const eskel_cloud *cloud, const uint8_t *bytes, size
 static void decode_and_encode(const uint8_t *data, size_t size)
 {
 	eskel_cloud *cloud = NULL;
-	if (eskel_cloud_decode(data, size, &cloud, NULL) != ESKEL_OK)
+	eskel_error error = {0};
+	if (eskel_cloud_decode(data, size, &cloud, &error) != ESKEL_OK) {
+		if (cloud || error.text[0] == '\0')
+			abort();
 		return;
+	}
 	expect_encoding(cloud, data, size);
 	eskel_cloud_free(cloud);
 }

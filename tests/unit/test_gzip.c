@@ -265,6 +265,29 @@ static void nothing_refers_back_beyond_its_member(void **state)
 	assert_inflates(&both, &data, ESKEL_MALFORMED);
 }
 
+static void its_first_bytes_are_told_by_the_first_bytes_of_a_file(void **unused)
+{
+	(void)unused;
+	static buffer b;
+	uint8_t data[500], begin[300];
+	b.size = 0;
+	for (size_t i = 0; i < sizeof data; i++)
+		data[i] = (uint8_t)(i * i >> 4);
+	put_member(&b, name | extra, data, sizeof data);
+	size_t told = 0;
+	for (size_t size = 0; size <= b.size; size++) {
+		memset(begin, 0xee, sizeof begin);
+		const size_t most = size % 2 ? sizeof begin : 132, count = eskel_gzip_begin(b.bytes, size, begin, most);
+		assert_in_range(count, told < most ? told : most, most);
+		assert_memory_equal(begin, data, count);
+		told = count;
+	}
+	assert_int_equal(eskel_gzip_begin(b.bytes, b.size, begin, sizeof begin), sizeof begin);
+	assert_memory_equal(begin, data, sizeof begin);
+	b.bytes[1] ^= 1;
+	assert_int_equal(eskel_gzip_begin(b.bytes, b.size, begin, sizeof begin), 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -277,6 +300,7 @@ int main(void)
 		cmocka_unit_test(without_a_checksum_the_header_may_say_any_time_and_system),
 		cmocka_unit_test(all_that_lies_before_a_fault_comes_out),
 		cmocka_unit_test(nothing_refers_back_beyond_its_member),
+		cmocka_unit_test(its_first_bytes_are_told_by_the_first_bytes_of_a_file),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

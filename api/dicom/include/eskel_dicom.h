@@ -4,6 +4,7 @@
  * three encodings of its elements, a dictionary of thousands of them, deflation and run lengths; nothing of that is read
  * here. DCMTK's program dcmdrle turns the file into its plainest form, in a process that has the file, a pipe, a share
  * of memory and time, and nothing else; what comes out of the pipe is read as if an attacker had written it.
+ * A gzipped one is inflated in such a process first, by gzip.
  */
 #ifndef ESKEL_DICOM_H
 #define ESKEL_DICOM_H
