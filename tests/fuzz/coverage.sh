@@ -1,5 +1,6 @@
 #!/bin/sh
-# What share of the lines of each decoder its corpus reaches, together with fixtures/volumes. Builds in build-coverage.
+# What share of the lines of each decoder its corpus reaches, together with fixtures/volumes. Builds in build-coverage; needs the
+# Debian packages clang and llvm.
 #
 #     sh tests/fuzz/coverage.sh
 set -eu
@@ -8,7 +9,7 @@ cd "$(dirname "$0")/../.."
 folder=build-coverage
 tools=$(find /usr/lib -maxdepth 1 -name 'llvm-*' | sort -V | tail -n 1)/bin
 programs='nifti nrrd metaimage mgh mesh gzip data_set cloud skeleton signature surface'
-sources=$(find engine/volume engine/solid api/dicom engine -name '*_codec.c' -o -path '*/volume/*.c' -o -path '*/solid/*.c' \
+sources=$(find engine api/dicom -name '*_codec.c' -o -path '*/volume/*.c' -o -path '*/solid/*.c' \
 	-o -path '*/dicom/*.c' | grep -Ev 'writ|confine|intake|tool' | sort -u)
 
 cmake -S . -B $folder -G Ninja -DCMAKE_C_COMPILER="$tools/clang" -DCMAKE_BUILD_TYPE=Debug -DESKEL_TESTS=ON \
