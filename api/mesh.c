@@ -48,7 +48,7 @@ bool esk_mesh_check(eskel_exchange *exchange)
 	const bool said = query->level || query->step > 0 || composed || primitive;
 	if (composed && primitive && query->primitive != ESK_PRIMITIVE_ELLIPSOID)
 		return esk_problem_set(&exchange->problem, 400,
-			"compose is given beside a primitive that is fitted, expected none: it is fitted as a blend");
+			"compose is given beside a primitive that is fitted, expected none: it is composed as it was fitted");
 	return query->source != ESK_SOURCE_VOXELS || !said ||
 	       esk_problem_set(&exchange->problem, 400,
 		       "level, step, primitive or compose is given beside source=voxels, expected none: voxels are "

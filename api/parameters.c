@@ -195,6 +195,7 @@ static void set_unsaid(esk_parameters *query)
 	query->plot = ESK_PLOT_UNSAID;
 	query->compose = ESK_COMPOSE_UNSAID;
 	query->primitive = ESK_PRIMITIVE_UNSAID;
+	query->method = ESK_METHOD_UNSAID;
 }
 
 /* NULL when memory ran out. */
@@ -243,8 +244,8 @@ static const char *const mesh_formats[] = {"glb", "stl", "ply", "obj", NULL};
 static const char *const frames[] = {"ras", "lps", NULL};
 static const char *const sources[] = {"skeleton", "voxels", NULL};
 static const char *const compositions[] = {"blend", "union", NULL};
-static const char *const primitives[] = {"ellipsoid", "superquadric", "deformed", NULL};
-static const char *const methods[] = {"joint", "tabu", "hopping", NULL};
+static const char *const primitives[] = {"ellipsoid", "superquadric", "deformed", "algebraic", NULL};
+static const char *const methods[] = {"joint", "tabu", "hopping", "least_squares", NULL};
 static const char *const plots[] = {"heatmap", "map", NULL};
 static const char *const everything[] = {"all", NULL};
 static const char *const answers[] = {"false", "true", NULL};

@@ -291,7 +291,7 @@ static void what_cannot_be_drawn_is_refused(void **state)
 		{"?step=1000001", 400, "step"},
 		{"?format=json", 400, "expected glb, stl, ply or obj"},
 		{"?primitive=deformed", 404, "no surface of the primitive deformed was fitted to level 16"},
-		{"?primitive=deformed&compose=blend", 400, "it is fitted as a blend"},
+		{"?primitive=deformed&compose=blend", 400, "it is composed as it was fitted"},
 		{"?source=voxels&primitive=ellipsoid", 400, "beside source=voxels"},
 		{"?frame=xyz", 400, "expected ras or lps"},
 		{"?compose=sum", 400, "expected blend or union"},
@@ -409,13 +409,63 @@ static void another_fit_takes_the_place_of_the_last_and_goes_with_the_shape(void
 	answer_free(&none);
 }
 
+static void algebraic_surfaces_are_fitted_stored_and_drawn(void **state)
+{
+	const shape s = enroll(state);
+	answer none = get_mesh(&s, "?level=2&primitive=algebraic");
+	assert_says(&none, 404, "no surface of the primitive algebraic was fitted to level 2");
+	reconstruct(&s, "?level=2");
+	reconstruct(&s, "?level=2&primitive=algebraic");
+	answer fitted = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=algebraic", s.id);
+	answer deformed = get(s.f->api, "/shapes/%s/reconstruction?level=2", s.id);
+	assert_status(&fitted, 200);
+	assert_string_equal(text_at(&fitted, "primitive"), "algebraic");
+	assert_string_equal(text_at(&fitted, "method"), "least_squares");
+	assert_string_equal(text_at(&fitted, "compose"), "union");
+	assert_string_equal(text_at(&deformed, "compose"), "blend");
+	assert_int_equal(json_array_size(at(&fitted, "primitives.1.coefficients")), 35);
+	assert_true(number_at(&fitted, "primitives.1.coefficients.34") == -1);
+	assert_null(json_object_get(at(&fitted, "primitives.1"), "modes"));
+	assert_true(number_at(&fitted, "after.mean_error_mm") < number_at(&fitted, "before.mean_error_mm"));
+	assert_true(number_at(&fitted, "after.dice") > number_at(&fitted, "before.dice"));
+	answer drawn = get_mesh(&s, "?level=2&step=1&primitive=algebraic&format=stl");
+	answer other = get_mesh(&s, "?level=2&step=1&primitive=deformed&format=stl");
+	assert_status(&drawn, 200);
+	assert_string_equal(drawn.caching, "private, no-cache");
+	assert_string_not_equal(drawn.etag, other.etag);
+	api_reopen(s.f);
+	answer later = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=algebraic", s.id);
+	answer redrawn = get_mesh(&s, "?level=2&step=1&primitive=algebraic&format=stl");
+	assert_true(json_equal(later.json, fitted.json));
+	assert_string_equal(redrawn.etag, drawn.etag);
+	assert_int_equal(redrawn.size, drawn.size);
+	reconstruct(&s, "?level=2&primitive=algebraic&method=least_squares");
+	answer again = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=algebraic", s.id);
+	assert_true(json_equal(again.json, fitted.json));
+	answer_free(&none);
+	answer_free(&fitted);
+	answer_free(&deformed);
+	answer_free(&drawn);
+	answer_free(&other);
+	answer_free(&later);
+	answer_free(&redrawn);
+	answer_free(&again);
+}
+
 static void what_cannot_be_fitted_is_refused(void **state)
 {
 	const shape s = enroll(state);
 	char target[100];
 	answer ellipsoid = post_reconstruction(&s, "?primitive=ellipsoid"), deep = post_reconstruction(&s, "?level=17");
-	assert_says(&ellipsoid, 400, "expected superquadric or deformed");
+	assert_says(&ellipsoid, 400, "expected superquadric, deformed or algebraic");
 	assert_says(&deep, 400, "level is 17, expected 1 to 16");
+	answer joint = post_reconstruction(&s, "?primitive=algebraic&method=joint"),
+	       squares = post_reconstruction(&s, "?method=least_squares"),
+	       compose = get_mesh(&s, "?primitive=algebraic&compose=union");
+	assert_says(&joint, 400, "method is joint and primitive is algebraic, expected least_squares");
+	assert_says(
+		&squares, 400, "method is least_squares and primitive is deformed, expected joint, tabu or hopping");
+	assert_says(&compose, 400, "it is composed as it was fitted");
 	snprintf(target, sizeof target, "/shapes/%s/reconstruction", s.id);
 	answer reader = ask(s.f->api, &(question){.method = "POST", .target = target, .role = ESKEL_ROLE_READ});
 	assert_status(&reader, 403);
@@ -427,6 +477,9 @@ static void what_cannot_be_fitted_is_refused(void **state)
 	assert_string_equal(text_at(&failed, "state"), "failed");
 	answer_free(&ellipsoid);
 	answer_free(&deep);
+	answer_free(&joint);
+	answer_free(&squares);
+	answer_free(&compose);
 	answer_free(&reader);
 	answer_free(&first);
 	answer_free(&second);
@@ -448,6 +501,7 @@ int main(void)
 		api_test(what_cannot_be_drawn_is_refused),
 		api_test(a_fit_is_a_job_and_is_stored),
 		api_test(another_fit_takes_the_place_of_the_last_and_goes_with_the_shape),
+		api_test(algebraic_surfaces_are_fitted_stored_and_drawn),
 		api_test(what_cannot_be_fitted_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
