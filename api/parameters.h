@@ -62,6 +62,7 @@ typedef struct esk_parameters {
 	unsigned volume_format;                                  /* eskel_volume_format */
 	unsigned plot;                                           /* ESK_PLOT_... */
 	double step;                                             /* mm; 0: not given */
+	double eye_distance;                                     /* mm; NaN: not given */
 	unsigned mesh_format, frame, source, compose, primitive; /* ESK_MESH_... and so on */
 	unsigned method;                                         /* eskel_fit_method, or ESK_METHOD_UNSAID */
 	unsigned explain;

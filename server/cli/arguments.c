@@ -102,6 +102,7 @@ static const esk_option options[] = {
 	{"output", "FILE", DISTANCES, NULL, "where the matrix goes; default: standard output"},
 	{"level", "K", MESH | RECONSTRUCT, "level", "of the skeleton; default: the deepest"},
 	{"step", "MM", MESH, "step", "edge of the cells that the surface is followed through"},
+	{"distance", "MM", MESH, "distance", "between the eye and the shape, which chooses level and step"},
 	{"primitive", "KIND", MESH, "primitive",
 		"ellipsoid (default), or superquadric, deformed or algebraic as reconstruct has fitted them"},
 	{"primitive", "KIND", RECONSTRUCT, "primitive", "deformed (default), superquadric or algebraic"},

@@ -165,6 +165,9 @@ class Commands(Served):
         run = self.eskel("mesh", self.ids["ball"], "--format", "obj", "--frame", "lps")
         self.assertIn("SPACE=LPS", run.stdout)
         self.assert_run(self.eskel("mesh", self.ids["ball"], "--step", "0"), 1, "expected millimetres")
+        run = self.eskel("mesh", self.ids["ball"], "--format", "obj", "--distance", 1000000)
+        self.assertLess(len(run.stdout), len(self.eskel("mesh", self.ids["ball"], "--format", "obj", "--distance", 0).stdout))
+        self.assert_run(self.eskel("mesh", self.ids["ball"], "--distance", 100, "--level", 2), 1, "beside level or step")
         self.assert_run(self.eskel("mesh", "0" * 32), 1, "there is no shape")
 
     def test_a_surface_is_fitted_and_drawn(self):

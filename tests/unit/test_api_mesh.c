@@ -248,6 +248,31 @@ static void levels_of_detail_are_staircases(void **state)
 	answer_free(&usual);
 }
 
+static void a_distance_chooses_its_row_of_the_table(void **state)
+{
+	const shape s = enroll(state);
+	answer table = get(s.f->api, "/shapes/%s/levels-of-detail", s.id);
+	for (int i = 0; i < 4; i++) {
+		char path[40], query[60];
+		snprintf(path, sizeof path, "details.%d.from_mm", i);
+		const double from = number_at(&table, path);
+		snprintf(path, sizeof path, "details.%d.url", i);
+		answer row = get(s.f->api, "%s", text_at(&table, path));
+		const double distances[] = {from, from + 0.001, i < 3 ? 2 * (from > 0 ? from : 1) - 0.5 : 1e9};
+		for (int d = 0; d < 3; d++) {
+			snprintf(query, sizeof query, "?distance=%.6f", distances[d]);
+			answer far = get_mesh(&s, query);
+			assert_status(&far, 200);
+			if (strcmp(far.etag, row.etag) != 0)
+				fail_msg("%s is not row %d", query, i);
+			answer_free(&far);
+		}
+		answer_free(&row);
+	}
+	assert_int_equal(kept(s.f), 4);
+	answer_free(&table);
+}
+
 static void *ask_for_mesh(void *context)
 {
 	answer a = get_mesh(context, "?format=obj");
@@ -295,9 +320,16 @@ static void what_cannot_be_drawn_is_refused(void **state)
 		{"?source=voxels&primitive=ellipsoid", 400, "beside source=voxels"},
 		{"?frame=xyz", 400, "expected ras or lps"},
 		{"?compose=sum", 400, "expected blend or union"},
+		{"?distance=500&level=2", 400, "distance is given beside level or step"},
+		{"?distance=500&step=1", 400, "distance is given beside level or step"},
+		{"?distance=-1", 400, "distance is \\\"-1\\\", expected millimetres, 0 to 1000000000"},
+		{"?distance=sum", 400, "expected millimetres"},
+		{"?distance=1000000001", 400, "expected millimetres"},
+		{"?distance=0&primitive=deformed", 404, "no surface of the primitive deformed was fitted to level"},
+		{"?source=voxels&distance=500", 400, "beside source=voxels"},
 		{"?source=voxels&step=1", 400, "beside source=voxels"},
 		{"?source=voxels&compose=blend", 400, "beside source=voxels"},
-		{"?format/mesh=glb", 400, "expected level, step, primitive, compose, format, frame, source"},
+		{"?format/mesh=glb", 400, "expected level, step, distance, primitive, compose, format, frame, source"},
 		{"?step=0.001", 413, "triangles"},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -497,6 +529,7 @@ int main(void)
 		api_test(a_mesh_goes_with_its_shape),
 		api_test(ellipsoids_are_those_of_the_skeleton),
 		api_test(levels_of_detail_are_staircases),
+		api_test(a_distance_chooses_its_row_of_the_table),
 		api_test(a_mesh_that_is_made_while_its_shape_goes_is_not_kept),
 		api_test(what_cannot_be_drawn_is_refused),
 		api_test(a_fit_is_a_job_and_is_stored),
