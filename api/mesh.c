@@ -226,23 +226,48 @@ static void keep_file(const eskel_exchange *exchange, const request *r, const es
 	eskel_shape_clear(&shape);
 }
 
-static bool answer(eskel_exchange *exchange, const request *r)
+static bool answer_kept(eskel_exchange *exchange, const request *r, bool *good)
 {
-	esk_cache *meshes = exchange->api->meshes;
-	const char *known = esk_exchange_request_header(exchange, "If-None-Match");
 	int descriptor;
 	uint64_t size;
+	const bool kept = esk_cache_find(exchange->api->meshes, r->name, &descriptor, &size);
+	if (kept)
+		*good = answer_file(exchange, r, descriptor, size);
+	return kept;
+}
+
+static bool answer_made(eskel_exchange *exchange, const request *r)
+{
 	esk_text file = {0};
-	if (known && esk_etag_is_listed(known, r->etag, true))
-		return add_headers(exchange, r) && esk_exchange_answer_nothing(exchange, 304);
-	if (esk_cache_find(meshes, r->name, &descriptor, &size))
-		return answer_file(exchange, r, descriptor, size);
 	if (!make_file(exchange, r, &file)) {
 		free(file.bytes);
 		return false;
 	}
 	keep_file(exchange, r, &file);
 	return answer_bytes(exchange, r, &file);
+}
+
+/* Looks once more in its turn: another's may have ended since. */
+static bool answer_in_turn(eskel_exchange *exchange, const request *r)
+{
+	esk_cache *meshes = exchange->api->meshes;
+	esk_cache_turn turn;
+	bool good;
+	const bool begun = esk_cache_begin(meshes, r->name, &turn);
+	if (!answer_kept(exchange, r, &good))
+		good = answer_made(exchange, r);
+	if (begun)
+		esk_cache_end(meshes, &turn);
+	return good;
+}
+
+static bool answer(eskel_exchange *exchange, const request *r)
+{
+	const char *known = esk_exchange_request_header(exchange, "If-None-Match");
+	bool good;
+	if (known && esk_etag_is_listed(known, r->etag, true))
+		return add_headers(exchange, r) && esk_exchange_answer_nothing(exchange, 304);
+	return answer_kept(exchange, r, &good) ? good : answer_in_turn(exchange, r);
 }
 
 bool esk_mesh_get(eskel_exchange *exchange)
