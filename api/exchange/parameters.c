@@ -69,6 +69,11 @@ static bool take_spacing(void *target, const argument *given, esk_problem *probl
 	return esk_value_spacing(given->name, given->value, target, problem);
 }
 
+static bool take_eye_distance(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_eye_distance(given->name, given->value, target, problem);
+}
+
 static bool take_number(void *target, const argument *given, esk_problem *problem)
 {
 	int64_t number;
@@ -190,11 +195,12 @@ static bool take_ids(void *target, const argument *given, esk_problem *problem)
 
 static void set_unsaid(esk_parameters *query)
 {
-	query->age = query->age_min = query->age_max = NAN;
+	query->age = query->age_min = query->age_max = query->eye_distance = NAN;
 	query->format = ESK_FORMAT_UNSAID;
 	query->plot = ESK_PLOT_UNSAID;
 	query->compose = ESK_COMPOSE_UNSAID;
 	query->primitive = ESK_PRIMITIVE_UNSAID;
+	query->method = ESK_METHOD_UNSAID;
 }
 
 /* NULL when memory ran out. */
@@ -243,8 +249,8 @@ static const char *const mesh_formats[] = {"glb", "stl", "ply", "obj", NULL};
 static const char *const frames[] = {"ras", "lps", NULL};
 static const char *const sources[] = {"skeleton", "voxels", NULL};
 static const char *const compositions[] = {"blend", "union", NULL};
-static const char *const primitives[] = {"ellipsoid", "superquadric", "deformed", NULL};
-static const char *const methods[] = {"joint", "tabu", "hopping", NULL};
+static const char *const primitives[] = {"ellipsoid", "superquadric", "deformed", "algebraic", NULL};
+static const char *const methods[] = {"joint", "tabu", "hopping", "least_squares", NULL};
 static const char *const plots[] = {"heatmap", "map", NULL};
 static const char *const everything[] = {"all", NULL};
 static const char *const answers[] = {"false", "true", NULL};
@@ -263,6 +269,7 @@ static const struct parameter parameters[] = {
 	{.name = "compose", .take = take_choice, FIELD(compose), .choices = compositions},
 	{.name = "cursor", .take = take_cursor, FIELD(cursor)},
 	{.name = "distance", .take = take_choice, FIELD(distance), .choices = distances},
+	{.name = "distance/mesh", .take = take_eye_distance, FIELD(eye_distance)},
 	{.name = "explain", .take = take_choice, FIELD(explain), .choices = answers},
 	{.name = "format", .take = take_choice, FIELD(format), .choices = formats},
 	{.name = "format/signature", .take = take_choice, FIELD(format), .choices = signature_formats},

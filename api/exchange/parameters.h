@@ -19,7 +19,14 @@ enum { ESK_FORMAT_JSON, ESK_FORMAT_CSV, ESK_FORMAT_NPY, ESK_FORMAT_SVG, ESK_FORM
 enum { ESK_MESH_GLB, ESK_MESH_STL, ESK_MESH_PLY, ESK_MESH_OBJ };
 enum { ESK_FRAME_RAS, ESK_FRAME_LPS };
 enum { ESK_SOURCE_SKELETON, ESK_SOURCE_VOXELS };
-enum { ESK_PRIMITIVE_ELLIPSOID, ESK_PRIMITIVE_SUPERQUADRIC, ESK_PRIMITIVE_DEFORMED, ESK_PRIMITIVE_UNSAID };
+enum {
+	ESK_PRIMITIVE_ELLIPSOID,
+	ESK_PRIMITIVE_SUPERQUADRIC,
+	ESK_PRIMITIVE_DEFORMED,
+	ESK_PRIMITIVE_ALGEBRAIC,
+	ESK_PRIMITIVE_UNSAID
+};
+enum { ESK_METHOD_UNSAID = ESKEL_FIT_LEAST_SQUARES + 1 };
 enum { ESK_COMPOSE_BLEND, ESK_COMPOSE_UNION, ESK_COMPOSE_UNSAID };
 enum { ESK_ORDER_DISTANCE, ESK_ORDER_POSITION };
 enum { ESK_PLOT_HEATMAP, ESK_PLOT_MAP, ESK_PLOT_UNSAID };
@@ -55,8 +62,9 @@ typedef struct esk_parameters {
 	unsigned volume_format;                                  /* eskel_volume_format */
 	unsigned plot;                                           /* ESK_PLOT_... */
 	double step;                                             /* mm; 0: not given */
+	double eye_distance;                                     /* mm; NaN: not given */
 	unsigned mesh_format, frame, source, compose, primitive; /* ESK_MESH_... and so on */
-	unsigned method;                                         /* eskel_fit_method */
+	unsigned method;                                         /* eskel_fit_method, or ESK_METHOD_UNSAID */
 	unsigned explain;
 	unsigned as_said;               /* names tell nothing */
 	unsigned leave_out;             /* ESK_LEAVE_OUT_... (evaluation.h) */

@@ -111,6 +111,16 @@ bool esk_value_spacing(const char *name, const char *value, double *spacing, esk
 	return true;
 }
 
+bool esk_value_eye_distance(const char *name, const char *value, double *distance, esk_problem *problem)
+{
+	double number;
+	if (!decimal(value, &number) || number > 1e9)
+		return esk_problem_set(
+			problem, 400, "%s is \"%.60s\", expected millimetres, 0 to 1000000000", name, value);
+	*distance = number;
+	return true;
+}
+
 bool esk_value_choice(
 	const char *name, const char *value, const char *const *choices, unsigned *index, esk_problem *problem)
 {

@@ -28,6 +28,9 @@ bool esk_value_share(const char *name, const char *value, double *share, esk_pro
 /* Of voxels, mm: 0.001 to 1000, well within what an affine may have. */
 bool esk_value_spacing(const char *name, const char *value, double *spacing, esk_problem *problem);
 
+/* Between an eye and what it sees, mm: 0 to 1000000000. */
+bool esk_value_eye_distance(const char *name, const char *value, double *distance, esk_problem *problem);
+
 /* One of a NULL-terminated list; *index is its place. */
 bool esk_value_choice(
 	const char *name, const char *value, const char *const *choices, unsigned *index, esk_problem *problem);

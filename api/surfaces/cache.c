@@ -12,6 +12,10 @@ struct esk_cache {
 	uint64_t most_bytes;
 	pthread_mutex_t lock;
 	uint64_t bytes; /* of all files, under the lock */
+	pthread_mutex_t turns_lock;
+	pthread_cond_t turn_ended;
+	esk_cache_turn *turns; /* under way; this and the rest under their lock */
+	uint64_t turn_count;   /* that were begun */
 };
 
 typedef struct {
@@ -41,6 +45,8 @@ eskel_store_status esk_cache_open(
 		return ESKEL_STORE_NO_MEMORY;
 	made->most_bytes = most_bytes;
 	pthread_mutex_init(&made->lock, NULL);
+	pthread_mutex_init(&made->turns_lock, NULL);
+	pthread_cond_init(&made->turn_ended, NULL);
 	eskel_store_status status = eskel_folder_open(store, folder, &made->folder, error);
 	if (status == ESKEL_STORE_OK)
 		status = eskel_folder_each(made->folder, add_size, &made->bytes, error);
@@ -57,6 +63,8 @@ void esk_cache_close(esk_cache *cache)
 		return;
 	eskel_folder_close(cache->folder);
 	pthread_mutex_destroy(&cache->lock);
+	pthread_mutex_destroy(&cache->turns_lock);
+	pthread_cond_destroy(&cache->turn_ended);
 	free(cache);
 }
 
@@ -187,4 +195,43 @@ void esk_cache_put(esk_cache *cache, const char *name, const void *bytes, size_t
 			cache->bytes += size;
 	}
 	pthread_mutex_unlock(&cache->lock);
+}
+
+/* ---- turns */
+
+static bool is_under_way(const esk_cache *cache, uint64_t number)
+{
+	const esk_cache_turn *turn = cache->turns;
+	while (turn && turn->number != number)
+		turn = turn->next;
+	return turn != NULL;
+}
+
+bool esk_cache_begin(esk_cache *cache, const char *name, esk_cache_turn *turn)
+{
+	pthread_mutex_lock(&cache->turns_lock);
+	const esk_cache_turn *other = cache->turns;
+	while (other && strcmp(other->name, name) != 0)
+		other = other->next;
+	if (other) {
+		const uint64_t number = other->number;
+		while (is_under_way(cache, number))
+			pthread_cond_wait(&cache->turn_ended, &cache->turns_lock);
+	} else {
+		*turn = (esk_cache_turn){name, cache->turn_count++, cache->turns};
+		cache->turns = turn;
+	}
+	pthread_mutex_unlock(&cache->turns_lock);
+	return !other;
+}
+
+void esk_cache_end(esk_cache *cache, const esk_cache_turn *turn)
+{
+	pthread_mutex_lock(&cache->turns_lock);
+	esk_cache_turn **link = &cache->turns;
+	while (*link != turn)
+		link = &(*link)->next;
+	*link = turn->next;
+	pthread_cond_broadcast(&cache->turn_ended);
+	pthread_mutex_unlock(&cache->turns_lock);
 }

@@ -21,4 +21,16 @@ void esk_cache_drop(esk_cache *cache, const char *beginning);
 /* Keeps bytes. That may fail, for want of room on the disk for one: then the next who needs them makes them again. */
 void esk_cache_put(esk_cache *cache, const char *name, const void *bytes, size_t size);
 
+/* Making a file, so that it is made once: who finds it missing begins it, or waits for who has begun it before, once.
+ * True: begun, to be ended however it went. False: the other has ended, mostly with the file in the cache; where it failed
+ * each of those who waited makes its own. name and turn stay until the end. */
+typedef struct esk_cache_turn {
+	const char *name;
+	uint64_t number; /* none is used again */
+	struct esk_cache_turn *next;
+} esk_cache_turn;
+
+bool esk_cache_begin(esk_cache *cache, const char *name, esk_cache_turn *turn);
+void esk_cache_end(esk_cache *cache, const esk_cache_turn *turn);
+
 #endif

@@ -23,3 +23,13 @@ void esk_detail_table(const eskel_skeleton *skeleton, esk_detail details[ESK_DET
 		details[i] = (esk_detail){i == 0 ? 0 : step / (pixels_a_step * pixel), level, step};
 	}
 }
+
+esk_detail esk_detail_at(const eskel_skeleton *skeleton, double distance)
+{
+	esk_detail details[ESK_DETAILS];
+	int row = ESK_DETAILS - 1;
+	esk_detail_table(skeleton, details);
+	while (row > 0 && distance < details[row].from)
+		row--;
+	return details[row];
+}

@@ -21,5 +21,7 @@ double esk_detail_step(const eskel_skeleton *skeleton);
  * radian, such as those of a view of 60 degrees on a thousand rows. Its level is the deepest whose classes are at least four
  * steps across, for finer ones would not be seen. */
 void esk_detail_table(const eskel_skeleton *skeleton, esk_detail details[ESK_DETAILS]);
+/* The row of the table for a distance, mm. */
+esk_detail esk_detail_at(const eskel_skeleton *skeleton, double distance);
 
 #endif

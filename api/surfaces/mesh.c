@@ -12,6 +12,7 @@
 #include "file_body.h"
 #include "resources.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -45,15 +46,19 @@ bool esk_mesh_check(eskel_exchange *exchange)
 	const esk_parameters *query = &exchange->query;
 	const bool composed = query->compose != ESK_COMPOSE_UNSAID,
 		   primitive = query->primitive != ESK_PRIMITIVE_UNSAID;
-	const bool said = query->level || query->step > 0 || composed || primitive;
+	const bool far = !isnan(query->eye_distance), fine = query->level || query->step > 0;
 	if (composed && primitive && query->primitive != ESK_PRIMITIVE_ELLIPSOID)
 		return esk_problem_set(&exchange->problem, 400,
-			"compose is given beside a primitive that is fitted, expected none: it is fitted as a blend");
-	return query->source != ESK_SOURCE_VOXELS || !said ||
+			"compose is given beside a primitive that is fitted, expected none: it is composed as it was "
+			"fitted");
+	if (far && fine)
+		return esk_problem_set(&exchange->problem, 400,
+			"distance is given beside level or step, expected none of these: it chooses both");
+	return query->source != ESK_SOURCE_VOXELS || !(fine || far || composed || primitive) ||
 	       esk_problem_set(&exchange->problem, 400,
-		       "level, step, primitive or compose is given beside source=voxels, expected none: voxels are "
-		       "what they "
-		       "are");
+		       "level, step, distance, primitive or compose is given beside source=voxels, expected none: "
+		       "voxels "
+		       "are what they are");
 }
 
 /* ---- the question */
@@ -71,15 +76,28 @@ static void write_name(eskel_exchange *exchange, request *r)
 	snprintf(r->etag, sizeof r->etag, "\"%.32s\"", digest);
 }
 
+/* The level and the step that are asked for, those for a distance, or else the finest. */
+static bool choose_detail(eskel_exchange *exchange, request *r)
+{
+	const esk_parameters *query = &exchange->query;
+	if (!isnan(query->eye_distance)) {
+		const esk_detail detail = esk_detail_at(r->drawn.skeleton, query->eye_distance);
+		r->level = detail.level;
+		r->step = detail.step;
+		return true;
+	}
+	r->step = query->step > 0 ? query->step : esk_detail_step(r->drawn.skeleton);
+	return esk_drawn_level(exchange, &r->drawn, &r->level);
+}
+
 static bool read_request(eskel_exchange *exchange, request *r)
 {
-	if (!esk_drawn_read(exchange, &r->drawn) || !esk_drawn_level(exchange, &r->drawn, &r->level))
+	if (!esk_drawn_read(exchange, &r->drawn) || !choose_detail(exchange, r))
 		return false;
 	const unsigned primitive = exchange->query.primitive;
 	if (primitive != ESK_PRIMITIVE_UNSAID && primitive != ESK_PRIMITIVE_ELLIPSOID &&
 		!esk_drawn_fitted(exchange, &r->drawn, r->level, &r->fitted))
 		return false;
-	r->step = exchange->query.step > 0 ? exchange->query.step : esk_detail_step(r->drawn.skeleton);
 	if (exchange->query.source == ESK_SOURCE_VOXELS) {
 		r->level = 0;
 		r->step = 0;
@@ -208,23 +226,48 @@ static void keep_file(const eskel_exchange *exchange, const request *r, const es
 	eskel_shape_clear(&shape);
 }
 
-static bool answer(eskel_exchange *exchange, const request *r)
+static bool answer_kept(eskel_exchange *exchange, const request *r, bool *good)
 {
-	esk_cache *meshes = exchange->api->meshes;
-	const char *known = esk_exchange_request_header(exchange, "If-None-Match");
 	int descriptor;
 	uint64_t size;
+	const bool kept = esk_cache_find(exchange->api->meshes, r->name, &descriptor, &size);
+	if (kept)
+		*good = answer_file(exchange, r, descriptor, size);
+	return kept;
+}
+
+static bool answer_made(eskel_exchange *exchange, const request *r)
+{
 	esk_text file = {0};
-	if (known && esk_etag_is_listed(known, r->etag, true))
-		return add_headers(exchange, r) && esk_exchange_answer_nothing(exchange, 304);
-	if (esk_cache_find(meshes, r->name, &descriptor, &size))
-		return answer_file(exchange, r, descriptor, size);
 	if (!make_file(exchange, r, &file)) {
 		free(file.bytes);
 		return false;
 	}
 	keep_file(exchange, r, &file);
 	return answer_bytes(exchange, r, &file);
+}
+
+/* Looks once more in its turn: another's may have ended since. */
+static bool answer_in_turn(eskel_exchange *exchange, const request *r)
+{
+	esk_cache *meshes = exchange->api->meshes;
+	esk_cache_turn turn;
+	bool good;
+	const bool begun = esk_cache_begin(meshes, r->name, &turn);
+	if (!answer_kept(exchange, r, &good))
+		good = answer_made(exchange, r);
+	if (begun)
+		esk_cache_end(meshes, &turn);
+	return good;
+}
+
+static bool answer(eskel_exchange *exchange, const request *r)
+{
+	const char *known = esk_exchange_request_header(exchange, "If-None-Match");
+	bool good;
+	if (known && esk_etag_is_listed(known, r->etag, true))
+		return add_headers(exchange, r) && esk_exchange_answer_nothing(exchange, 304);
+	return answer_kept(exchange, r, &good) ? good : answer_in_turn(exchange, r);
 }
 
 bool esk_mesh_get(eskel_exchange *exchange)

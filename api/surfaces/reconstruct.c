@@ -13,6 +13,7 @@
 static const eskel_fit_freedom freedoms[] = {
 	[ESK_PRIMITIVE_SUPERQUADRIC] = ESKEL_FIT_SUPERQUADRIC,
 	[ESK_PRIMITIVE_DEFORMED] = ESKEL_FIT_DEFORMED,
+	[ESK_PRIMITIVE_ALGEBRAIC] = ESKEL_FIT_DEFORMED, /* which says nothing of it */
 };
 
 bool esk_reconstruction_check(eskel_exchange *exchange)
@@ -20,19 +21,40 @@ bool esk_reconstruction_check(eskel_exchange *exchange)
 	esk_parameters *query = &exchange->query;
 	if (query->primitive == ESK_PRIMITIVE_UNSAID)
 		query->primitive = ESK_PRIMITIVE_DEFORMED;
-	return query->primitive != ESK_PRIMITIVE_ELLIPSOID ||
-	       esk_problem_set(&exchange->problem, 400,
-		       "primitive is ellipsoid, expected superquadric or deformed: best ellipsoids are not fitted");
+	if (query->primitive == ESK_PRIMITIVE_ELLIPSOID)
+		return esk_problem_set(&exchange->problem, 400,
+			"primitive is ellipsoid, expected superquadric, deformed or algebraic: best ellipsoids are "
+			"not fitted");
+	const bool algebraic = query->primitive == ESK_PRIMITIVE_ALGEBRAIC;
+	if (query->method == ESK_METHOD_UNSAID)
+		query->method = algebraic ? ESKEL_FIT_LEAST_SQUARES : ESKEL_FIT_JOINT;
+	return algebraic == (query->method == ESKEL_FIT_LEAST_SQUARES) ||
+	       esk_problem_set(&exchange->problem, 400, "method is %s and primitive is %s, expected %s",
+		       esk_parameters_choice(query, "method"), esk_parameters_choice(query, "primitive"),
+		       algebraic ? "least_squares, which alone fits algebraic surfaces"
+				 : "joint, tabu or hopping: least_squares fits algebraic surfaces");
 }
 
 /* ---- answering */
 
-static json_t *primitive_json(const eskel_primitive *p)
+static json_t *primitive_json(const eskel_surface *surface, uint32_t class_index)
 {
-	return json_pack("{s:o, s:[o, o, o], s:o, s:o, s:o, s:f}", "centre_mm", esk_json_reals(p->centre, 3), "axes",
+	const eskel_primitive *p = eskel_surface_primitive(surface, class_index);
+	unsigned degree;
+	const double *polynomial = eskel_surface_polynomial(surface, class_index, &degree);
+	json_t *json = json_pack("{s:o, s:[o, o, o], s:o, s:f}", "centre_mm", esk_json_reals(p->centre, 3), "axes",
 		esk_json_reals(p->axes[0], 3), esk_json_reals(p->axes[1], 3), esk_json_reals(p->axes[2], 3), "radii_mm",
-		esk_json_reals(p->radii, 3), "exponents", esk_json_reals(p->exponents, 2), "modes",
-		esk_json_reals(p->modes, ESKEL_MODE_COUNT), "alpha", p->alpha);
+		esk_json_reals(p->radii, 3), "alpha", p->alpha);
+	const size_t terms = polynomial ? (degree + 1) * (degree + 2) * (degree + 3) / 6 : 0;
+	const bool whole =
+		polynomial
+			? json_object_set_new(json, "coefficients", esk_json_reals(polynomial, terms)) == 0
+			: json_object_set_new(json, "exponents", esk_json_reals(p->exponents, 2)) == 0 &&
+				  json_object_set_new(json, "modes", esk_json_reals(p->modes, ESKEL_MODE_COUNT)) == 0;
+	if (whole)
+		return json;
+	json_decref(json);
+	return NULL;
 }
 
 /* The summary with the surface's own members. */
@@ -40,9 +62,11 @@ static json_t *fitted_json(const eskel_fitted *fitted, const eskel_surface *surf
 {
 	json_t *body = json_loads(fitted->summary, 0, NULL), *array = json_array();
 	for (uint32_t i = 0; i < eskel_surface_count(surface); i++)
-		json_array_append_new(array, primitive_json(eskel_surface_primitive(surface, i)));
+		json_array_append_new(array, primitive_json(surface, i));
 	const bool whole = json_array_size(array) == eskel_surface_count(surface);
+	const char *compose = eskel_surface_composition(surface) == ESKEL_COMPOSE_UNION ? "union" : "blend";
 	if (body && whole && json_object_set(body, "primitives", array) == 0 &&
+		json_object_set_new(body, "compose", json_string(compose)) == 0 &&
 		json_object_set_new(body, "level", json_integer(fitted->level)) == 0 &&
 		json_object_set_new(body, "primitive", json_string(fitted->primitive)) == 0) {
 		json_decref(array);

@@ -1,6 +1,7 @@
 /* A level's surface fitted to the cloud, with what it gained. */
 #include "elementary.h"
 #include "error.h"
+#include "least_squares_fit.h"
 #include "memory.h"
 #include "random.h"
 #include "surface.h"
@@ -37,7 +38,7 @@ static eskel_fit_options complete(const eskel_fit_options *asked, uint32_t level
 
 static bool are_in_range(const eskel_fit_options *o)
 {
-	return (unsigned)o->method <= ESKEL_FIT_HOPPING && (unsigned)o->freedom <= ESKEL_FIT_ELLIPSOID &&
+	return (unsigned)o->method <= ESKEL_FIT_LEAST_SQUARES && (unsigned)o->freedom <= ESKEL_FIT_ELLIPSOID &&
 	       o->boundary_points >= POINTS_LEAST && o->boundary_points <= POINTS_MOST && o->hops <= HOPS_MOST &&
 	       o->tabu_neighbours <= 1000 && o->tabu_memory <= ESK_TABU_MEMORY_MOST && o->tabu_steps <= 1000000;
 }
@@ -107,8 +108,8 @@ static eskel_status run(work *w, eskel_primitive *primitives)
 	}
 }
 
-/* From the blend of best ellipsoids to the fitted surface. */
-static eskel_status fit(const esk_boundary *boundary, const eskel_fit_options *options, esk_team *team,
+/* From the blend of best ellipsoids to the fitted one. */
+static eskel_status fit_blend(const esk_boundary *boundary, const eskel_fit_options *options, esk_team *team,
 	const eskel_surface *plain, eskel_surface **fitted)
 {
 	eskel_primitive primitives[ESKEL_LEVELS_MAX];
@@ -130,6 +131,22 @@ static eskel_status fit(const esk_boundary *boundary, const eskel_fit_options *o
 	if (!status)
 		status = eskel_surface_compose(primitives, w.count, ESKEL_COMPOSE_BLEND, fitted);
 	esk_fit_points_free(points);
+	return status;
+}
+
+static eskel_status fit_algebraic(const esk_boundary *boundary, const eskel_fit_options *options,
+	const eskel_skeleton *skeleton, uint32_t level, eskel_surface **fitted)
+{
+	const eskel_surface_options best = {.compose = ESKEL_COMPOSE_UNION};
+	const esk_least_squares_options least = {options->boundary_points, options->progress, options->context};
+	eskel_surface *made = NULL;
+	eskel_status status = eskel_surface_new(skeleton, level, &best, &made);
+	if (!status)
+		status = esk_least_squares_fit(boundary, &least, made);
+	if (status)
+		eskel_surface_free(made);
+	else
+		*fitted = made;
 	return status;
 }
 
@@ -164,7 +181,9 @@ eskel_status eskel_surface_fit(const eskel_cloud *cloud, const eskel_skeleton *s
 	if (!status)
 		status = esk_surface_error_measure(plain, boundary, team, &made->before);
 	if (!status)
-		status = fit(boundary, &chosen, team, plain, &made->surface);
+		status = chosen.method == ESKEL_FIT_LEAST_SQUARES
+				 ? fit_algebraic(boundary, &chosen, skeleton, level, &made->surface)
+				 : fit_blend(boundary, &chosen, team, plain, &made->surface);
 	if (!status)
 		status = esk_surface_error_measure(made->surface, boundary, team, &made->after);
 	if (status) {

@@ -105,22 +105,6 @@ static vertex walk(search *s)
 	return best;
 }
 
-static uint32_t nearest_class(const eskel_primitive *primitives, uint32_t count, const double point[3])
-{
-	uint32_t nearest = 0;
-	double least = INFINITY;
-	for (uint32_t i = 0; i < count; i++) {
-		double square = 0;
-		for (int r = 0; r < 3; r++)
-			square += (point[r] - primitives[i].centre[r]) * (point[r] - primitives[i].centre[r]);
-		if (square < least) {
-			least = square;
-			nearest = i;
-		}
-	}
-	return nearest;
-}
-
 static eskel_status fit_class(const esk_fit_points *points, const esk_tabu_options *options, uint32_t index,
 	const eskel_primitive *origin, eskel_primitive *primitive)
 {
@@ -149,7 +133,7 @@ eskel_status esk_tabu_fit(const esk_fit_points *points, const esk_tabu_options *
 		const esk_fit_group *g = &points->groups[i / ESK_LANES];
 		const size_t l = i % ESK_LANES;
 		const double point[3] = {g->points[0][l], g->points[1][l], g->points[2][l]};
-		classes[i] = nearest_class(origin, count, point);
+		classes[i] = esk_primitive_nearest(origin, count, point);
 	}
 	for (uint32_t i = 0; i < count && !status; i++) {
 		esk_fit_points *own = NULL;

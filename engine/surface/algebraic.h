@@ -8,6 +8,9 @@
  * potential of that degree, at points well inside and outside; the weight of these is the least in a fixed sequence at which P
  * is proven positive outside of the cube |x|, |y|, |z| <= ESK_ALGEBRAIC_BOX, and the centre inside.
  *
+ * Boundary points alone also leave it free to have sheets where there are none. Where points are known to be inside or
+ * outside, those on the wrong side of what was fitted are fitted to the right one, again and again.
+ *
  * The paper prefers the Bernstein basis for the sake of affine invariance. Least squares of values have the same solution in
  * every basis, and in the class's own frame it does not change with the world's axes; what the Bernstein basis is needed
  * for is the proof. */
@@ -34,9 +37,18 @@ size_t esk_algebraic_term_count(unsigned degree);
 
 /* The frame of a primitive. */
 void esk_algebraic_place(const eskel_primitive *primitive, esk_algebraic *algebraic);
+/* What a surface is fitted to, mm: points of the boundary, and points known to be on one side of it. */
+typedef struct {
+	size_t count;
+	const double (*points)[3];
+	size_t side_count; /* may be 0 */
+	const double (*sides)[3];
+	const bool *are_inside;
+} esk_algebraic_points;
+
 /* In the frame of a primitive. ESKEL_INVALID as eskel_surface_set_algebraic. */
-eskel_status esk_algebraic_fit(const eskel_primitive *primitive, unsigned degree, const double (*points)[3],
-	size_t count, esk_algebraic *algebraic);
+eskel_status esk_algebraic_fit(const eskel_primitive *primitive, unsigned degree, const esk_algebraic_points *points,
+	esk_algebraic *algebraic);
 /* Is it proven that the centre is inside, and that nothing outside of the box is? */
 bool esk_algebraic_is_bounded(const esk_algebraic *algebraic);
 

@@ -16,6 +16,10 @@ static const double weight_of_centre = 1e4;
 /* What the ellipsoid's mean square counts against that of the boundary points: at first less than a percent of its usual
  * share, in the end all. */
 static const double least_weight = 1e-4, weight_step = 4;
+/* A point of a side has at least this share of what P may be off there. All of them on the wrong side count as so many times
+ * the boundary; rounds of this settle mostly in three or four. */
+static const double margin = 0.05, weight_of_sides = 30;
+enum { ROUNDS = 6 };
 /* Where P is drawn to r^D - 1: well inside and outside of any boundary point. */
 static const double radii[] = {0.4, 2, 3};
 
@@ -67,24 +71,50 @@ static double size_at(unsigned degree, double r)
 	return power + 1;
 }
 
+/* The row of a point in the world, and the size there. */
+static double make_world_row(const esk_algebraic *a, const double point[3], double *row)
+{
+	double u[3];
+	for (int r = 0; r < 3; r++) {
+		u[r] = 0;
+		for (int c = 0; c < 3; c++)
+			u[r] += a->to_frame[r][c] * (point[c] - a->centre[c]);
+	}
+	make_row(a->degree, u, row);
+	return size_at(a->degree, esk_triple_length(u));
+}
+
 /* P = 0 at the boundary points, in the mean, and P(0) = -1. */
-static void add_boundary(const esk_algebraic *a, const double (*points)[3], size_t count, normal_equations *e)
+static void add_boundary(const esk_algebraic *a, const esk_algebraic_points *points, normal_equations *e)
 {
 	const size_t terms = esk_algebraic_term_count(a->degree);
 	double row[TERMS];
-	for (size_t p = 0; p < count; p++) {
-		double u[3];
-		for (int r = 0; r < 3; r++) {
-			u[r] = 0;
-			for (int c = 0; c < 3; c++)
-				u[r] += a->to_frame[r][c] * (points[p][c] - a->centre[c]);
-		}
-		const double size = size_at(a->degree, esk_triple_length(u));
-		make_row(a->degree, u, row);
-		add_row(e, terms, row, 0, 1 / (size * size * (double)count));
+	for (size_t p = 0; p < points->count; p++) {
+		const double size = make_world_row(a, points->points[p], row);
+		add_row(e, terms, row, 0, 1 / (size * size * (double)points->count));
 	}
 	make_row(a->degree, (const double[3]){0, 0, 0}, row);
 	add_row(e, terms, row, -1, weight_of_centre);
+}
+
+/* The points of the sides that P has not on theirs, by the margin; is there any? */
+static bool add_wrong_sides(const esk_algebraic *a, const esk_algebraic_points *points, normal_equations *e)
+{
+	const size_t terms = esk_algebraic_term_count(a->degree);
+	bool any = false;
+	double row[TERMS];
+	for (size_t p = 0; p < points->side_count; p++) {
+		const double size = make_world_row(a, points->sides[p], row), sign = points->are_inside[p] ? -1 : 1;
+		double value = 0;
+		for (size_t t = 0; t < terms; t++)
+			value += row[t] * a->coefficients[t];
+		if (sign * value >= margin * size)
+			continue;
+		add_row(e, terms, row, sign * margin * size,
+			weight_of_sides / (size * size * (double)points->side_count));
+		any = true;
+	}
+	return any;
 }
 
 /* In the direction of a point of a grid on a face of the cube. */
@@ -166,6 +196,17 @@ static bool solve(const normal_equations *boundary, const normal_equations *elli
 	return depth > 0 && esk_algebraic_is_bounded(a);
 }
 
+/* With the least weight of the ellipsoid at which P is bounded; ESKEL_NUMERIC. */
+static eskel_status solve_bounded(
+	const normal_equations *boundary, const normal_equations *ellipsoid, normal_equations *sum, esk_algebraic *a)
+{
+	double weight = least_weight;
+	for (int i = 0; i < WEIGHTS; i++, weight *= weight_step)
+		if (solve(boundary, ellipsoid, weight, sum, a))
+			return ESKEL_OK;
+	return ESKEL_NUMERIC;
+}
+
 static bool is_fittable(unsigned degree, const double (*points)[3], size_t count)
 {
 	if (count == 0 || (degree != 2 && degree != 4 && degree != 6))
@@ -177,23 +218,26 @@ static bool is_fittable(unsigned degree, const double (*points)[3], size_t count
 	return true;
 }
 
-eskel_status esk_algebraic_fit(const eskel_primitive *primitive, unsigned degree, const double (*points)[3],
-	size_t count, esk_algebraic *algebraic)
+eskel_status esk_algebraic_fit(
+	const eskel_primitive *primitive, unsigned degree, const esk_algebraic_points *points, esk_algebraic *algebraic)
 {
-	if (!is_fittable(degree, points, count))
+	if (!is_fittable(degree, points->points, points->count))
 		return ESKEL_INVALID;
 	esk_algebraic made = {.degree = degree};
-	normal_equations *e = esk_memory_zeroed_array(3, sizeof *e); /* boundary, ellipsoid, their sum */
+	normal_equations *e =
+		esk_memory_zeroed_array(4, sizeof *e); /* boundary, ellipsoid, their sum, and with sides */
 	if (!e)
 		return ESKEL_NO_MEMORY;
 	esk_algebraic_place(primitive, &made);
-	add_boundary(&made, points, count, &e[0]);
+	add_boundary(&made, points, &e[0]);
 	add_ellipsoid(degree, &e[1]);
-	eskel_status status = ESKEL_NUMERIC;
-	double weight = least_weight;
-	for (int i = 0; i < WEIGHTS && status; i++, weight *= weight_step)
-		if (solve(&e[0], &e[1], weight, &e[2], &made))
-			status = ESKEL_OK;
+	eskel_status status = solve_bounded(&e[0], &e[1], &e[2], &made);
+	for (int round = 0; round < ROUNDS && !status; round++) {
+		e[3] = e[0];
+		if (!add_wrong_sides(&made, points, &e[3]))
+			break;
+		status = solve_bounded(&e[3], &e[1], &e[2], &made);
+	}
 	free(e);
 	if (!status)
 		*algebraic = made;

@@ -127,3 +127,19 @@ void esk_primitive_step(const eskel_primitive *from, const double *step, size_t 
 	for (int i = 0; i < 2; i++)
 		to->exponents[i] += all[ESK_EXPONENTS + i];
 }
+
+uint32_t esk_primitive_nearest(const eskel_primitive *primitives, uint32_t count, const double point[3])
+{
+	uint32_t nearest = 0;
+	double least = INFINITY;
+	for (uint32_t i = 0; i < count; i++) {
+		double square = 0;
+		for (int r = 0; r < 3; r++)
+			square += (point[r] - primitives[i].centre[r]) * (point[r] - primitives[i].centre[r]);
+		if (square < least) {
+			least = square;
+			nearest = i;
+		}
+	}
+	return nearest;
+}

@@ -37,5 +37,7 @@ bool esk_primitive_is_valid(const eskel_primitive *primitive);
 /* Changes the first count parameters by step. to may be from. Not checked: the modes, exponents and alpha that a step leads
  * to must be in range, so must the radii. */
 void esk_primitive_step(const eskel_primitive *from, const double *step, size_t count, eskel_primitive *to);
+/* Which centre is nearest to a point, the first of equals. */
+uint32_t esk_primitive_nearest(const eskel_primitive *primitives, uint32_t count, const double point[3]);
 
 #endif

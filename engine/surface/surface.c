@@ -125,8 +125,8 @@ const eskel_primitive *eskel_surface_primitive(const eskel_surface *surface, uin
 	return class_index < surface->composition.count ? &surface->primitives[class_index] : NULL;
 }
 
-eskel_status eskel_surface_set_algebraic(
-	eskel_surface *surface, uint32_t class_index, unsigned degree, const double (*points)[3], size_t count)
+eskel_status esk_surface_set_algebraic(
+	eskel_surface *surface, uint32_t class_index, unsigned degree, const esk_algebraic_points *points)
 {
 	if (class_index >= surface->composition.count)
 		return ESKEL_INVALID;
@@ -134,7 +134,7 @@ eskel_status eskel_surface_set_algebraic(
 	esk_algebraic *made = esk_memory_array(1, sizeof *made);
 	if (!made)
 		return ESKEL_NO_MEMORY;
-	eskel_status status = esk_algebraic_fit(primitive, degree, points, count, made);
+	eskel_status status = esk_algebraic_fit(primitive, degree, points, made);
 	if (status) {
 		free(made);
 		return status;
@@ -146,6 +146,21 @@ eskel_status eskel_surface_set_algebraic(
 	primitive->exponents[0] = primitive->exponents[1] = 1;
 	esk_surface_refresh(surface);
 	return ESKEL_OK;
+}
+
+eskel_status eskel_surface_set_algebraic(
+	eskel_surface *surface, uint32_t class_index, unsigned degree, const double (*points)[3], size_t count)
+{
+	return esk_surface_set_algebraic(
+		surface, class_index, degree, &(esk_algebraic_points){.count = count, .points = points});
+}
+
+const double *eskel_surface_polynomial(const eskel_surface *surface, uint32_t class_index, unsigned *degree)
+{
+	if (class_index >= surface->composition.count || !surface->algebraic[class_index])
+		return NULL;
+	*degree = surface->algebraic[class_index]->degree;
+	return surface->algebraic[class_index]->coefficients;
 }
 
 double eskel_surface_value(const eskel_surface *surface, const double point[3])

@@ -11,6 +11,9 @@ struct eskel_surface {
 
 /* count classes without primitives; ESKEL_NO_MEMORY. */
 eskel_status esk_surface_allocate(uint32_t count, eskel_compose compose, eskel_surface **surface);
+/* As eskel_surface_set_algebraic. */
+eskel_status esk_surface_set_algebraic(
+	eskel_surface *surface, uint32_t class_index, unsigned degree, const esk_algebraic_points *points);
 /* After its primitives have changed. */
 void esk_surface_refresh(eskel_surface *surface);
 

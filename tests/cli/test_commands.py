@@ -165,6 +165,9 @@ class Commands(Served):
         run = self.eskel("mesh", self.ids["ball"], "--format", "obj", "--frame", "lps")
         self.assertIn("SPACE=LPS", run.stdout)
         self.assert_run(self.eskel("mesh", self.ids["ball"], "--step", "0"), 1, "expected millimetres")
+        run = self.eskel("mesh", self.ids["ball"], "--format", "obj", "--distance", 1000000)
+        self.assertLess(len(run.stdout), len(self.eskel("mesh", self.ids["ball"], "--format", "obj", "--distance", 0).stdout))
+        self.assert_run(self.eskel("mesh", self.ids["ball"], "--distance", 100, "--level", 2), 1, "beside level or step")
         self.assert_run(self.eskel("mesh", "0" * 32), 1, "there is no shape")
 
     def test_a_surface_is_fitted_and_drawn(self):
@@ -177,6 +180,10 @@ class Commands(Served):
         self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 3, "--primitive", "deformed", "--output", path), 0)
         self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 4, "--primitive", "deformed"), 1, "was fitted")
         self.assert_run(self.eskel("reconstruct", self.ids["hook_left"], "--primitive", "cube"), 1, "cube")
+        run = self.eskel("reconstruct", self.ids["hook_left"], "--level", 3, "--primitive", "algebraic")
+        self.assertRegex(run.stdout, r"\nlevel 3, 3 primitives, algebraic, fitted by least_squares\n")
+        self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 3, "--primitive", "algebraic", "--output", path), 0)
+        self.assert_run(self.eskel("reconstruct", self.ids["hook_left"], "--primitive", "algebraic", "--method", "tabu"), 1, "least_squares")
         self.assert_run(self.eskel("reconstruct", "0" * 32), 1, "there is no shape")
 
     def test_a_matrix_as_a_job_is_waited_for_and_is_what_it_would_be_at_once(self):

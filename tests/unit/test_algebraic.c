@@ -80,6 +80,12 @@ static void superquadric_points(uint64_t *state, const eskel_primitive *p, int n
 
 enum { POINTS = 500 };
 
+static eskel_status fit(const eskel_primitive *primitive, unsigned degree, const double (*points)[3], size_t count,
+	esk_algebraic *fitted)
+{
+	return esk_algebraic_fit(primitive, degree, &(esk_algebraic_points){.count = count, .points = points}, fitted);
+}
+
 /* The greatest distance, in radii, of the fitted surface from other points of x^n + y^n + z^n = 1. */
 static double error_of(unsigned degree, int n)
 {
@@ -88,7 +94,7 @@ static double error_of(unsigned degree, int n)
 	esk_algebraic fitted;
 	double greatest = 0, shortest = 3;
 	superquadric_points(&state, &egg, n, POINTS, points);
-	assert_int_equal(esk_algebraic_fit(&egg, degree, (const double(*)[3])points, POINTS, &fitted), ESKEL_OK);
+	assert_int_equal(fit(&egg, degree, (const double(*)[3])points, POINTS, &fitted), ESKEL_OK);
 	superquadric_points(&state, &egg, n, POINTS, points);
 	for (size_t i = 0; i < POINTS; i++) {
 		double g[3], value = evaluate(&fitted, points[i], g);
@@ -215,7 +221,7 @@ static void whatever_the_points_the_surface_is_bounded(void **unused)
 			to_world(&egg, unit, points[i]);
 		}
 		const unsigned degree = 2 + 2 * (unsigned)(n % 3);
-		assert_int_equal(esk_algebraic_fit(&egg, degree, (const double(*)[3])points, count, &fitted), ESKEL_OK);
+		assert_int_equal(fit(&egg, degree, (const double(*)[3])points, count, &fitted), ESKEL_OK);
 		assert_true(esk_algebraic_is_bounded(&fitted));
 		for (int i = 0; i < 200; i++) {
 			double unit[3], point[3], gradient[3];
@@ -286,7 +292,7 @@ static void the_fit_is_the_least_squares_solution_of_one_of_the_weights(void **u
 		for (size_t i = 0; i < POINTS; i++)
 			for (int c = 0; c < 3; c++)
 				points[i][c] += uniform(&state, -0.02, 0.02) * (double)seed;
-		assert_int_equal(esk_algebraic_fit(&ball, 4, (const double(*)[3])points, POINTS, &fitted), ESKEL_OK);
+		assert_int_equal(fit(&ball, 4, (const double(*)[3])points, POINTS, &fitted), ESKEL_OK);
 		for (int i = 0; i < 14; i++, weight *= 4)
 			nearest = fmin(nearest, difference_from_oracle(&fitted, (const double(*)[3])points, weight));
 		if (!(nearest < 1e-7))
@@ -294,15 +300,78 @@ static void the_fit_is_the_least_squares_solution_of_one_of_the_weights(void **u
 	}
 }
 
+/* A bent finger: what is within thickness of an arc of the unit circle. The nearest point of the arc, and its distance. */
+static double nearest_of_arc(const double point[3], double nearest[3])
+{
+	const double x = point[0] + 0.6, y = point[1] + 0.6, end = 2.4;
+	double angle = atan2(y, x);
+	if (angle < 0 || angle > end)
+		angle = cos(angle) > cos(angle - end) ? 0 : end;
+	nearest[0] = cos(angle) - 0.6;
+	nearest[1] = sin(angle) - 0.6;
+	nearest[2] = 0;
+	return sqrt(pow(point[0] - nearest[0], 2) + pow(point[1] - nearest[1], 2) + pow(point[2], 2));
+}
+
+static const double thickness = 0.3;
+
+static void random_point(uint64_t *state, double point[3])
+{
+	for (int c = 0; c < 3; c++)
+		point[c] = uniform(state, -2, 2);
+}
+
+static double share_of_wrong_sides(const esk_algebraic *fitted)
+{
+	enum { COUNT = 20000 };
+	uint64_t state = 9;
+	int wrong = 0;
+	for (int i = 0; i < COUNT; i++) {
+		double point[3], nearest[3], gradient[3];
+		random_point(&state, point);
+		wrong += (evaluate(fitted, point, gradient) < 0) != (nearest_of_arc(point, nearest) < thickness);
+	}
+	return (double)wrong / COUNT;
+}
+
+static void points_of_sides_keep_sheets_away(void **unused)
+{
+	(void)unused;
+	enum { SIDES = 2000 };
+	static double points[POINTS][3], sides[SIDES][3];
+	static bool are_inside[SIDES];
+	uint64_t state = 8;
+	double nearest[3];
+	for (int i = 0; i < POINTS; i++) {
+		random_point(&state, points[i]);
+		const double distance = nearest_of_arc(points[i], nearest);
+		for (int c = 0; c < 3; c++)
+			points[i][c] = nearest[c] + thickness / distance * (points[i][c] - nearest[c]);
+	}
+	for (int i = 0; i < SIDES; i++) {
+		random_point(&state, sides[i]);
+		are_inside[i] = nearest_of_arc(sides[i], nearest) < thickness;
+	}
+	esk_algebraic without, with;
+	const esk_algebraic_points all = {
+		POINTS, (const double(*)[3])points, SIDES, (const double(*)[3])sides, are_inside};
+	assert_int_equal(fit(&ball, 6, (const double(*)[3])points, POINTS, &without), ESKEL_OK);
+	assert_int_equal(esk_algebraic_fit(&ball, 6, &all, &with), ESKEL_OK);
+	const double before = share_of_wrong_sides(&without), after = share_of_wrong_sides(&with);
+	print_message("on the wrong side: %.4f, with sides %.4f\n", before, after);
+	assert_true(after < 0.01 && 3 * after < before);
+	assert_true(esk_algebraic_is_bounded(&with));
+}
+
 static void what_cannot_be_fitted_is_refused(void **unused)
 {
 	(void)unused;
 	esk_algebraic fitted;
 	const double point[1][3] = {{1, 2, 3}}, bad[1][3] = {{1, NAN, 3}};
-	assert_int_equal(esk_algebraic_fit(&egg, 3, point, 1, &fitted), ESKEL_INVALID);
-	assert_int_equal(esk_algebraic_fit(&egg, 8, point, 1, &fitted), ESKEL_INVALID);
-	assert_int_equal(esk_algebraic_fit(&egg, 4, point, 0, &fitted), ESKEL_INVALID);
-	assert_int_equal(esk_algebraic_fit(&egg, 4, bad, 1, &fitted), ESKEL_INVALID);
+	assert_int_equal(fit(&egg, 3, point, 1, &fitted), ESKEL_INVALID);
+	assert_int_equal(fit(&egg, 8, point, 1, &fitted), ESKEL_INVALID);
+	assert_int_equal(fit(&egg, 4, point, 0, &fitted), ESKEL_INVALID);
+	assert_int_equal(fit(&egg, 4, bad, 1, &fitted), ESKEL_INVALID);
 }
 
 int main(void)
@@ -313,6 +382,7 @@ int main(void)
 		cmocka_unit_test(boundedness_is_proven_or_refuted),
 		cmocka_unit_test(whatever_the_points_the_surface_is_bounded),
 		cmocka_unit_test(the_fit_is_the_least_squares_solution_of_one_of_the_weights),
+		cmocka_unit_test(points_of_sides_keep_sheets_away),
 		cmocka_unit_test(what_cannot_be_fitted_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

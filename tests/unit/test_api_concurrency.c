@@ -136,6 +136,55 @@ static void store_and_library_stay_the_same_set(void **state)
 	answer_free(&a);
 }
 
+typedef struct {
+	eskel_api *api;
+	const char *id, *query;
+	answer answer;
+} asker;
+
+static void *ask_for_mesh(void *context)
+{
+	asker *a = context;
+	a->answer = get(a->api, "/shapes/%s/mesh%s", a->id, a->query);
+	return NULL;
+}
+
+static void ask_at_once(const asker *model, asker askers[THREADS])
+{
+	pthread_t threads[THREADS];
+	for (int i = 0; i < THREADS; i++) {
+		askers[i] = *model;
+		assert_int_equal(pthread_create(&threads[i], NULL, ask_for_mesh, &askers[i]), 0);
+	}
+	for (int i = 0; i < THREADS; i++)
+		pthread_join(threads[i], NULL);
+}
+
+/* Who makes it answers from memory, the others from the file. */
+static void a_mesh_that_many_ask_for_at_once_is_made_once(void **state)
+{
+	api_fixture *f = *state;
+	static const char *const queries[] = {"?step=0.5", "?source=voxels", "?step=0.4&format=obj"};
+	char id[ESKEL_ID_SIZE];
+	asker askers[THREADS];
+	enroll_blob(f->api, 3, 0, 0, "name=blob", id);
+	for (size_t q = 0; q < sizeof queries / sizeof *queries; q++) {
+		const asker model = {.api = f->api, .id = id, .query = queries[q]};
+		int made = 0;
+		ask_at_once(&model, askers);
+		for (int i = 0; i < THREADS; i++) {
+			const answer *a = &askers[i].answer, *first = &askers[0].answer;
+			assert_status(a, 200);
+			assert_int_equal(a->size, first->size);
+			assert_memory_equal(a->body, first->body, first->size);
+			made += !a->streamed;
+		}
+		assert_int_equal(made, 1);
+		for (int i = 0; i < THREADS; i++)
+			answer_free(&askers[i].answer);
+	}
+}
+
 static bool stop_loading(void *context, uint64_t loaded, uint64_t total)
 {
 	uint64_t *told = context;
@@ -167,6 +216,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		api_test(answers_are_the_same_after_a_restart),
 		api_test(store_and_library_stay_the_same_set),
+		api_test(a_mesh_that_many_ask_for_at_once_is_made_once),
 		api_test(loading_can_be_stopped),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

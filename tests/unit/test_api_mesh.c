@@ -248,6 +248,31 @@ static void levels_of_detail_are_staircases(void **state)
 	answer_free(&usual);
 }
 
+static void a_distance_chooses_its_row_of_the_table(void **state)
+{
+	const shape s = enroll(state);
+	answer table = get(s.f->api, "/shapes/%s/levels-of-detail", s.id);
+	for (int i = 0; i < 4; i++) {
+		char path[40], query[60];
+		snprintf(path, sizeof path, "details.%d.from_mm", i);
+		const double from = number_at(&table, path);
+		snprintf(path, sizeof path, "details.%d.url", i);
+		answer row = get(s.f->api, "%s", text_at(&table, path));
+		const double distances[] = {from, from + 0.001, i < 3 ? 2 * (from > 0 ? from : 1) - 0.5 : 1e9};
+		for (int d = 0; d < 3; d++) {
+			snprintf(query, sizeof query, "?distance=%.6f", distances[d]);
+			answer far = get_mesh(&s, query);
+			assert_status(&far, 200);
+			if (strcmp(far.etag, row.etag) != 0)
+				fail_msg("%s is not row %d", query, i);
+			answer_free(&far);
+		}
+		answer_free(&row);
+	}
+	assert_int_equal(kept(s.f), 4);
+	answer_free(&table);
+}
+
 static void *ask_for_mesh(void *context)
 {
 	answer a = get_mesh(context, "?format=obj");
@@ -291,13 +316,20 @@ static void what_cannot_be_drawn_is_refused(void **state)
 		{"?step=1000001", 400, "step"},
 		{"?format=json", 400, "expected glb, stl, ply or obj"},
 		{"?primitive=deformed", 404, "no surface of the primitive deformed was fitted to level 16"},
-		{"?primitive=deformed&compose=blend", 400, "it is fitted as a blend"},
+		{"?primitive=deformed&compose=blend", 400, "it is composed as it was fitted"},
 		{"?source=voxels&primitive=ellipsoid", 400, "beside source=voxels"},
 		{"?frame=xyz", 400, "expected ras or lps"},
 		{"?compose=sum", 400, "expected blend or union"},
+		{"?distance=500&level=2", 400, "distance is given beside level or step"},
+		{"?distance=500&step=1", 400, "distance is given beside level or step"},
+		{"?distance=-1", 400, "distance is \\\"-1\\\", expected millimetres, 0 to 1000000000"},
+		{"?distance=sum", 400, "expected millimetres"},
+		{"?distance=1000000001", 400, "expected millimetres"},
+		{"?distance=0&primitive=deformed", 404, "no surface of the primitive deformed was fitted to level"},
+		{"?source=voxels&distance=500", 400, "beside source=voxels"},
 		{"?source=voxels&step=1", 400, "beside source=voxels"},
 		{"?source=voxels&compose=blend", 400, "beside source=voxels"},
-		{"?format/mesh=glb", 400, "expected level, step, primitive, compose, format, frame, source"},
+		{"?format/mesh=glb", 400, "expected level, step, distance, primitive, compose, format, frame, source"},
 		{"?step=0.001", 413, "triangles"},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -409,13 +441,63 @@ static void another_fit_takes_the_place_of_the_last_and_goes_with_the_shape(void
 	answer_free(&none);
 }
 
+static void algebraic_surfaces_are_fitted_stored_and_drawn(void **state)
+{
+	const shape s = enroll(state);
+	answer none = get_mesh(&s, "?level=2&primitive=algebraic");
+	assert_says(&none, 404, "no surface of the primitive algebraic was fitted to level 2");
+	reconstruct(&s, "?level=2");
+	reconstruct(&s, "?level=2&primitive=algebraic");
+	answer fitted = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=algebraic", s.id);
+	answer deformed = get(s.f->api, "/shapes/%s/reconstruction?level=2", s.id);
+	assert_status(&fitted, 200);
+	assert_string_equal(text_at(&fitted, "primitive"), "algebraic");
+	assert_string_equal(text_at(&fitted, "method"), "least_squares");
+	assert_string_equal(text_at(&fitted, "compose"), "union");
+	assert_string_equal(text_at(&deformed, "compose"), "blend");
+	assert_int_equal(json_array_size(at(&fitted, "primitives.1.coefficients")), 35);
+	assert_true(number_at(&fitted, "primitives.1.coefficients.34") == -1);
+	assert_null(json_object_get(at(&fitted, "primitives.1"), "modes"));
+	assert_true(number_at(&fitted, "after.mean_error_mm") < number_at(&fitted, "before.mean_error_mm"));
+	assert_true(number_at(&fitted, "after.dice") > number_at(&fitted, "before.dice"));
+	answer drawn = get_mesh(&s, "?level=2&step=1&primitive=algebraic&format=stl");
+	answer other = get_mesh(&s, "?level=2&step=1&primitive=deformed&format=stl");
+	assert_status(&drawn, 200);
+	assert_string_equal(drawn.caching, "private, no-cache");
+	assert_string_not_equal(drawn.etag, other.etag);
+	api_reopen(s.f);
+	answer later = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=algebraic", s.id);
+	answer redrawn = get_mesh(&s, "?level=2&step=1&primitive=algebraic&format=stl");
+	assert_true(json_equal(later.json, fitted.json));
+	assert_string_equal(redrawn.etag, drawn.etag);
+	assert_int_equal(redrawn.size, drawn.size);
+	reconstruct(&s, "?level=2&primitive=algebraic&method=least_squares");
+	answer again = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=algebraic", s.id);
+	assert_true(json_equal(again.json, fitted.json));
+	answer_free(&none);
+	answer_free(&fitted);
+	answer_free(&deformed);
+	answer_free(&drawn);
+	answer_free(&other);
+	answer_free(&later);
+	answer_free(&redrawn);
+	answer_free(&again);
+}
+
 static void what_cannot_be_fitted_is_refused(void **state)
 {
 	const shape s = enroll(state);
 	char target[100];
 	answer ellipsoid = post_reconstruction(&s, "?primitive=ellipsoid"), deep = post_reconstruction(&s, "?level=17");
-	assert_says(&ellipsoid, 400, "expected superquadric or deformed");
+	assert_says(&ellipsoid, 400, "expected superquadric, deformed or algebraic");
 	assert_says(&deep, 400, "level is 17, expected 1 to 16");
+	answer joint = post_reconstruction(&s, "?primitive=algebraic&method=joint"),
+	       squares = post_reconstruction(&s, "?method=least_squares"),
+	       compose = get_mesh(&s, "?primitive=algebraic&compose=union");
+	assert_says(&joint, 400, "method is joint and primitive is algebraic, expected least_squares");
+	assert_says(
+		&squares, 400, "method is least_squares and primitive is deformed, expected joint, tabu or hopping");
+	assert_says(&compose, 400, "it is composed as it was fitted");
 	snprintf(target, sizeof target, "/shapes/%s/reconstruction", s.id);
 	answer reader = ask(s.f->api, &(question){.method = "POST", .target = target, .role = ESKEL_ROLE_READ});
 	assert_status(&reader, 403);
@@ -427,6 +509,9 @@ static void what_cannot_be_fitted_is_refused(void **state)
 	assert_string_equal(text_at(&failed, "state"), "failed");
 	answer_free(&ellipsoid);
 	answer_free(&deep);
+	answer_free(&joint);
+	answer_free(&squares);
+	answer_free(&compose);
 	answer_free(&reader);
 	answer_free(&first);
 	answer_free(&second);
@@ -444,10 +529,12 @@ int main(void)
 		api_test(a_mesh_goes_with_its_shape),
 		api_test(ellipsoids_are_those_of_the_skeleton),
 		api_test(levels_of_detail_are_staircases),
+		api_test(a_distance_chooses_its_row_of_the_table),
 		api_test(a_mesh_that_is_made_while_its_shape_goes_is_not_kept),
 		api_test(what_cannot_be_drawn_is_refused),
 		api_test(a_fit_is_a_job_and_is_stored),
 		api_test(another_fit_takes_the_place_of_the_last_and_goes_with_the_shape),
+		api_test(algebraic_surfaces_are_fitted_stored_and_drawn),
 		api_test(what_cannot_be_fitted_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -155,6 +155,93 @@ static void what_is_being_written_is_not_swept(void **state)
 	esk_cache_close(w.cache);
 }
 
+typedef struct {
+	esk_cache *cache;
+	atomic_bool waits, ended;
+	bool begun;
+} waiter;
+
+static void *wait_for_turn(void *context)
+{
+	waiter *w = context;
+	esk_cache_turn turn;
+	atomic_store(&w->waits, true);
+	w->begun = esk_cache_begin(w->cache, "x", &turn);
+	atomic_store(&w->ended, true);
+	return NULL;
+}
+
+static void who_finds_a_file_being_made_waits_for_its_end(void **state)
+{
+	enum { WAITERS = 3 };
+	store_fixture *f = *state;
+	esk_cache *cache = open_cache(f, 5 * SIZE);
+	waiter waiters[WAITERS] = {0};
+	pthread_t threads[WAITERS];
+	esk_cache_turn first, other;
+	assert_true(esk_cache_begin(cache, "x", &first));
+	for (int i = 0; i < WAITERS; i++) {
+		waiters[i].cache = cache;
+		assert_int_equal(pthread_create(&threads[i], NULL, wait_for_turn, &waiters[i]), 0);
+	}
+	assert_true(esk_cache_begin(cache, "y", &other)); /* which is nobody's business */
+	esk_cache_end(cache, &other);
+	for (int i = 0; i < WAITERS; i++)
+		while (!atomic_load(&waiters[i].waits))
+			let_time_pass();
+	let_time_pass();
+	for (int i = 0; i < WAITERS; i++)
+		assert_false(atomic_load(&waiters[i].ended));
+	esk_cache_end(cache, &first); /* without a file: it failed */
+	for (int i = 0; i < WAITERS; i++) {
+		assert_int_equal(pthread_join(threads[i], NULL), 0);
+		assert_false(waiters[i].begun);
+	}
+	assert_true(esk_cache_begin(cache, "x", &first));
+	esk_cache_end(cache, &first);
+	esk_cache_close(cache);
+}
+
+enum { TAKERS = 4, TURNS = 2000, NAMES = 3 };
+
+typedef struct {
+	esk_cache *cache;
+	atomic_int at_once[NAMES], begun;
+	atomic_bool wrong;
+} contest;
+
+static void *take_turns(void *context)
+{
+	static const char *const names[NAMES] = {"a", "b", "c"};
+	contest *c = context;
+	for (int i = 0; i < TURNS; i++) {
+		const int n = i % NAMES;
+		esk_cache_turn turn;
+		if (!esk_cache_begin(c->cache, names[n], &turn))
+			continue;
+		if (atomic_fetch_add(&c->at_once[n], 1) > 0)
+			atomic_store(&c->wrong, true);
+		atomic_fetch_add(&c->begun, 1);
+		atomic_fetch_sub(&c->at_once[n], 1);
+		esk_cache_end(c->cache, &turn);
+	}
+	return NULL;
+}
+
+static void a_file_is_made_by_one_at_a_time(void **state)
+{
+	store_fixture *f = *state;
+	contest c = {.cache = open_cache(f, 5 * SIZE)};
+	pthread_t threads[TAKERS];
+	for (int i = 0; i < TAKERS; i++)
+		assert_int_equal(pthread_create(&threads[i], NULL, take_turns, &c), 0);
+	for (int i = 0; i < TAKERS; i++)
+		assert_int_equal(pthread_join(threads[i], NULL), 0);
+	assert_false(atomic_load(&c.wrong));
+	assert_true(atomic_load(&c.begun) >= TURNS);
+	esk_cache_close(c.cache);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -162,6 +249,8 @@ int main(void)
 		store_test(what_cannot_be_kept_is_not_there_and_harms_nothing),
 		store_test(damage_is_dropped_and_names_go_together),
 		store_test(what_is_being_written_is_not_swept),
+		store_test(who_finds_a_file_being_made_waits_for_its_end),
+		store_test(a_file_is_made_by_one_at_a_time),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,7 +20,7 @@ static void every_failed_allocation_of_a_fit_is_reported(void **state)
 	eskel_cloud *cloud = shapes_cloud(&solid, &shapes_identity);
 	eskel_skeleton *skeleton = NULL;
 	assert_int_equal(eskel_skeleton_new(cloud, &(eskel_skeleton_options){.levels = 2}, &skeleton, NULL), ESKEL_OK);
-	for (int method = ESKEL_FIT_JOINT; method <= ESKEL_FIT_HOPPING; method++) {
+	for (int method = ESKEL_FIT_JOINT; method <= ESKEL_FIT_LEAST_SQUARES; method++) {
 		const eskel_fit_options options = {.method = (eskel_fit_method)method,
 			.freedom = ESKEL_FIT_ELLIPSOID,
 			.boundary_points = 40,

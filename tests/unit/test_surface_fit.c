@@ -217,8 +217,9 @@ static void fits_are_the_same_for_any_number_of_threads(void **state)
 {
 	(void)state;
 	fixture f = make_fixture(small_hamate(&shapes_identity), 4, 100);
-	const eskel_fit_method methods[] = {ESKEL_FIT_JOINT, ESKEL_FIT_TABU, ESKEL_FIT_HOPPING};
-	for (int m = 0; m < 3; m++) {
+	const eskel_fit_method methods[] = {
+		ESKEL_FIT_JOINT, ESKEL_FIT_TABU, ESKEL_FIT_HOPPING, ESKEL_FIT_LEAST_SQUARES};
+	for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
 		const eskel_fit_options one = {
 			.method = methods[m], .boundary_points = 300, .hops = 1, .tabu_steps = 50};
 		eskel_fit_options three = one;
@@ -291,6 +292,95 @@ static void hopping_is_never_worse(void **state)
 	clear_fixture(&f);
 }
 
+static const eskel_fit_options least_squares = {.method = ESKEL_FIT_LEAST_SQUARES};
+
+/* P is r^4 - 1, or anything else of the degree that vanishes where that does: at the boundary, in the mean, to a fraction of a
+ * voxel. */
+static void an_ellipsoid_is_its_own_algebraic_surface(void **state)
+{
+	(void)state;
+	const eskel_primitive egg = {.kind = ESKEL_PRIMITIVE_ELLIPSOID,
+		.centre = {24, 24, 30},
+		.axes = {{0.6, 0.8, 0}, {-0.8, 0.6, 0}, {0, 0, 1}},
+		.radii = {9, 14, 24},
+		.exponents = {1, 1},
+		.alpha = 1};
+	eskel_surface *surface = NULL;
+	assert_int_equal(eskel_surface_compose(&egg, 1, ESKEL_COMPOSE_BLEND, &surface), ESKEL_OK);
+	fixture f = make_fixture(cloud_of_surface(surface, 60), 1, 100);
+	eskel_reconstruction *r = fit(&f, 1, &least_squares);
+	unsigned degree = 0;
+	assert_int_equal(eskel_surface_primitive(r->surface, 0)->kind, ESKEL_PRIMITIVE_ALGEBRAIC);
+	assert_non_null(eskel_surface_polynomial(r->surface, 0, &degree));
+	assert_int_equal(degree, 4);
+	assert_null(eskel_surface_polynomial(r->surface, 1, &degree));
+	assert_null(eskel_surface_polynomial(surface, 0, &degree));
+	uint64_t seed = 3;
+	for (int i = 0; i < 200; i++) {
+		double direction[3], point[3], square = 0;
+		for (int c = 0; c < 3; c++) {
+			direction[c] = synthetic_uniform(&seed) - 0.5;
+			square += direction[c] * direction[c];
+		}
+		for (int c = 0; c < 3; c++) {
+			point[c] = egg.centre[c];
+			for (int k = 0; k < 3; k++)
+				point[c] += egg.axes[k][c] * egg.radii[k] * direction[k] / sqrt(square);
+		}
+		const double distance = eskel_surface_distance(r->surface, point, NULL);
+		if (fabs(distance) > 0.3)
+			fail_msg("%g voxels off the ellipsoid", distance);
+	}
+	if (r->after.mean_error > 0.2 || r->after.dice < 0.985)
+		fail_msg("e_me %g mm, Dice %g", r->after.mean_error, r->after.dice);
+	eskel_reconstruction_free(r);
+	eskel_surface_free(surface);
+	clear_fixture(&f);
+}
+
+/* Sheets would be far from the boundary, which is not far from them. */
+static void algebraic_surfaces_gain_at_every_level_without_sheets(void **state)
+{
+	(void)state;
+	fixture f = make_fixture(small_hamate(&shapes_identity), 16, 100);
+	for (uint32_t level = 1; level <= 16; level *= 2) {
+		eskel_reconstruction *r = fit(&f, level, &least_squares);
+		const eskel_surface_error *b = &r->before, *a = &r->after;
+		print_message("level %u: e_me %.3f, %.3f; both ways %.3f, %.3f; Dice %.3f, %.3f\n", level,
+			b->mean_error, a->mean_error, b->mean_distance, a->mean_distance, b->dice, a->dice);
+		assert_int_equal(eskel_surface_composition(r->surface), ESKEL_COMPOSE_UNION);
+		assert_true(a->mean_error < 0.7 * b->mean_error && a->dice > b->dice);
+		assert_true(a->mean_distance < 1.4 * a->mean_error);
+		eskel_reconstruction_free(r);
+	}
+	clear_fixture(&f);
+}
+
+/* Coefficients are those of the classes' own frames. */
+static void the_polynomial_is_the_potential(void **state)
+{
+	(void)state;
+	fixture f = make_fixture(small_hamate(&shapes_identity), 1, 100);
+	eskel_reconstruction *r = fit(&f, 1, &least_squares);
+	const eskel_primitive *p = eskel_surface_primitive(r->surface, 0);
+	unsigned degree;
+	const double *next = eskel_surface_polynomial(r->surface, 0, &degree);
+	double point[3], expected = 0;
+	const double unit[3] = {0.3, -0.7, 1.1};
+	for (int c = 0; c < 3; c++) {
+		point[c] = p->centre[c];
+		for (int k = 0; k < 3; k++)
+			point[c] += p->axes[k][c] * p->radii[k] * unit[k];
+	}
+	for (int i = (int)degree; i >= 0; i--)
+		for (int j = (int)degree - i; j >= 0; j--)
+			for (int k = (int)degree - i - j; k >= 0; k--)
+				expected += *next++ * pow(unit[0], i) * pow(unit[1], j) * pow(unit[2], k);
+	assert_true(fabs(eskel_surface_value(r->surface, point) - expected) < 1e-9 * (1 + fabs(expected)));
+	eskel_reconstruction_free(r);
+	clear_fixture(&f);
+}
+
 static bool stop_at_third(void *context, uint32_t step, uint32_t steps)
 {
 	uint32_t *calls = context;
@@ -302,7 +392,7 @@ static void a_fit_stops_when_told(void **state)
 {
 	(void)state;
 	fixture f = make_fixture(small_hamate(&shapes_identity), 4, 100);
-	for (int method = ESKEL_FIT_JOINT; method <= ESKEL_FIT_HOPPING; method++) {
+	for (int method = ESKEL_FIT_JOINT; method <= ESKEL_FIT_LEAST_SQUARES; method++) {
 		uint32_t calls = 0;
 		eskel_reconstruction *r = NULL;
 		const eskel_fit_options options = {.method = (eskel_fit_method)method,
@@ -347,9 +437,14 @@ static void odd_clouds_are_fitted_or_refused(void **state)
 	for (size_t count = 1; count <= 6; count++) {
 		fixture f = make_fixture(shapes_voxels(voxels, count, &shapes_identity), 3, 20);
 		for (uint32_t level = 1; level <= f.skeleton->level_count; level++) {
-			eskel_reconstruction *r = fit(&f, level, NULL);
-			assert_true(isfinite(r->after.mean_error) && r->after.dice > 0.5);
-			eskel_reconstruction_free(r);
+			const eskel_fit_options *options[] = {NULL, &least_squares};
+			for (int o = 0; o < 2; o++) {
+				eskel_reconstruction *r = fit(&f, level, options[o]);
+				if (!isfinite(r->after.mean_error) || r->after.dice <= 0.5)
+					fail_msg("%zu voxels, level %u, options %d: Dice %g", count, level, o,
+						r->after.dice);
+				eskel_reconstruction_free(r);
+			}
 		}
 		clear_fixture(&f);
 	}
@@ -364,6 +459,9 @@ int main(void)
 		cmocka_unit_test(every_method_gains_and_the_joint_fit_most),
 		cmocka_unit_test(fits_of_mirrored_and_moved_shapes_are_as_good),
 		cmocka_unit_test(hopping_is_never_worse),
+		cmocka_unit_test(an_ellipsoid_is_its_own_algebraic_surface),
+		cmocka_unit_test(algebraic_surfaces_gain_at_every_level_without_sheets),
+		cmocka_unit_test(the_polynomial_is_the_potential),
 		cmocka_unit_test(a_fit_stops_when_told),
 		cmocka_unit_test(errors_are_measured_of_any_surface_that_is_near),
 		cmocka_unit_test(odd_clouds_are_fitted_or_refused),
