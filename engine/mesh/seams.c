@@ -1,24 +1,15 @@
 #include "seams.h"
 
 #include "memory.h"
-#include "seam.h"
+#include "seam_crossings.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* By how much a potential may pass 0 and not count: a millionth of a radius, and less. */
 static const double least_depth = 1e-7;
-/* Corners that are closer, in steps, are the same one. */
-static const double same_corner = 1e-3;
 /* An edge turns by no more than this, in radians. */
 static const double turn_most = 0.6;
-
-typedef struct {
-	double at; /* a place on the curve: the number of a point, and the share of the way to the next one */
-	double point[3];
-	uint32_t by; /* the ellipsoid that hides the curve from there on, or up to there */
-	bool hides;
-} crossing;
 
 typedef struct {
 	const esk_ellipsoid *all;
@@ -27,8 +18,7 @@ typedef struct {
 	uint32_t a, b;
 	esk_curve curves[2];
 	int curve_count;
-	crossing *crossings;
-	size_t crossing_count, crossing_capacity;
+	esk_crossings crossings;
 	double *lengths; /* up to each of the points of an arc */
 	double (*points)[3];
 	size_t point_count, point_capacity, length_capacity;
@@ -87,129 +77,6 @@ static bool find_curves(work *w, const esk_seam_starts *starts)
 	return true;
 }
 
-/* ---- where others hide a curve */
-
-static bool find_between(const work *w, const esk_curve *c, double at, double point[3])
-{
-	const size_t i = (size_t)at % c->count, j = (i + 1) % c->count;
-	const double share = at - floor(at);
-	for (int k = 0; k < 3; k++)
-		point[k] = c->points[i][k] + share * (c->points[j][k] - c->points[i][k]);
-	return esk_seam_settle(&w->all[w->a], &w->all[w->b], point);
-}
-
-/* Onto three surfaces, from near by. */
-static bool settle_corner(const work *w, uint32_t by, double point[3])
-{
-	const esk_ellipsoid *three[3] = {&w->all[w->a], &w->all[w->b], &w->all[by]};
-	for (int i = 0; i < 12; i++) {
-		double slopes[3][3], values[3], crosses[3][3], square = 0;
-		for (int k = 0; k < 3; k++)
-			values[k] = esk_ellipsoid_slope(three[k], point, slopes[k]) / 2;
-		for (int k = 0; k < 3; k++)
-			esk_triple_cross(slopes[(k + 1) % 3], slopes[(k + 2) % 3], crosses[k]);
-		const double determinant = esk_triple_dot(slopes[0], crosses[0]);
-		if (!(fabs(determinant) > 1e-7 * esk_triple_length(slopes[0]) * esk_triple_length(slopes[1]) *
-						  esk_triple_length(slopes[2])))
-			return false;
-		for (int k = 0; k < 3; k++) {
-			const double d =
-				-(values[0] * crosses[0][k] + values[1] * crosses[1][k] + values[2] * crosses[2][k]) /
-				determinant;
-			point[k] += d;
-			square += d * d;
-		}
-		if (square < 1e-16 * w->step * w->step)
-			return true;
-	}
-	return false;
-}
-
-static bool add_crossing(work *w, double low, double high, uint32_t by, bool hides)
-{
-	const esk_curve *c = &w->curves[w->curve_count - 1];
-	void *array = w->crossings;
-	if (!reserve(w, &array, &w->crossing_capacity, w->crossing_count + 1, sizeof *w->crossings))
-		return false;
-	w->crossings = array;
-	crossing *made = &w->crossings[w->crossing_count++];
-	for (int i = 0; i < 24; i++) {
-		const double middle = (low + high) / 2;
-		if (!find_between(w, c, middle, made->point))
-			return false;
-		if ((esk_ellipsoid_value(&w->all[by], made->point) < 0) == hides)
-			high = middle;
-		else
-			low = middle;
-	}
-	made->at = (low + high) / 2;
-	made->by = by;
-	made->hides = hides;
-	double settled[3], square = 0;
-	memcpy(settled, made->point, sizeof settled);
-	if (!settle_corner(w, by, settled))
-		return false;
-	for (int i = 0; i < 3; i++)
-		square += (settled[i] - made->point[i]) * (settled[i] - made->point[i]);
-	memcpy(made->point, settled, sizeof settled);
-	return square < same_corner * same_corner * w->step * w->step;
-}
-
-typedef struct {
-	double value, slope; /* of the potential, along the curve */
-} sample;
-
-static sample sample_at(const esk_ellipsoid *e, const double point[3], const double way[3])
-{
-	double slope[3];
-	sample s;
-	s.value = esk_ellipsoid_slope(e, point, slope);
-	s.slope = esk_triple_dot(slope, way);
-	return s;
-}
-
-/* Between two points where the potential has the same sign and an extremum of the other one may lie between them. */
-static bool cross_twice(work *w, size_t i, uint32_t by, bool inside)
-{
-	double low = (double)i, high = (double)i + 1, point[3], way[3];
-	for (int k = 0; k < 24; k++) {
-		const double middle = (low + high) / 2;
-		if (!find_between(w, &w->curves[w->curve_count - 1], middle, point) ||
-			!esk_seam_way(&w->all[w->a], &w->all[w->b], point, way))
-			return false;
-		const sample s = sample_at(&w->all[by], point, way);
-		if ((s.value < 0) != inside)
-			return add_crossing(w, (double)i, middle, by, !inside) &&
-			       add_crossing(w, middle, (double)i + 1, by, inside);
-		if ((s.slope < 0) != inside)
-			low = middle;
-		else
-			high = middle;
-	}
-	return true;
-}
-
-static bool find_crossings(work *w, uint32_t by)
-{
-	const esk_curve *c = &w->curves[w->curve_count - 1];
-	const esk_ellipsoid *e = &w->all[by];
-	sample here = sample_at(e, c->points[0], c->ways[0]);
-	for (size_t i = 0; i < c->count; i++) {
-		const size_t j = (i + 1) % c->count;
-		const sample next = sample_at(e, c->points[j], c->ways[j]);
-		const bool inside = here.value < 0;
-		if (inside != (next.value < 0)) {
-			if (!add_crossing(w, (double)i, (double)i + 1, by, !inside))
-				return false;
-		} else if ((here.slope < 0) != inside && (next.slope < 0) == inside) {
-			if (!cross_twice(w, i, by, inside))
-				return false;
-		}
-		here = next;
-	}
-	return true;
-}
-
 /* ---- arcs */
 
 static bool add_vertex(work *w, const double point[3], uint32_t a, uint32_t b, uint32_t c, uint32_t *vertex)
@@ -239,7 +106,7 @@ static bool add_to_path(work *w, uint32_t vertex)
 }
 
 /* The vertex of a corner, which three curves find each on its own. */
-static bool find_corner(work *w, const crossing *c, uint32_t *vertex)
+static bool find_corner(work *w, const esk_crossing *c, uint32_t *vertex)
 {
 	esk_seams *s = w->seams;
 	uint32_t surfaces[3] = {w->a, w->b, c->by};
@@ -255,7 +122,7 @@ static bool find_corner(work *w, const crossing *c, uint32_t *vertex)
 			continue;
 		for (int i = 0; i < 3; i++)
 			square += (v->point[i] - c->point[i]) * (v->point[i] - c->point[i]);
-		if (square < same_corner * same_corner * w->step * w->step)
+		if (square < ESK_SAME_CORNER * ESK_SAME_CORNER * w->step * w->step)
 			break;
 	}
 	if (*vertex == s->vertex_count && !add_vertex(w, c->point, surfaces[0], surfaces[1], surfaces[2], vertex))
@@ -340,14 +207,6 @@ static bool lay_arc(work *w, uint32_t first, uint32_t last)
 	return good && add_to_path(w, last);
 }
 
-static int compare_crossings(const void *a, const void *b)
-{
-	const crossing *x = a, *y = b;
-	if (x->at != y->at)
-		return x->at < y->at ? -1 : 1;
-	return (x->by > y->by) - (x->by < y->by);
-}
-
 static bool lay_closed(work *w, const esk_curve *c)
 {
 	uint32_t vertex = 0;
@@ -356,7 +215,7 @@ static bool lay_closed(work *w, const esk_curve *c)
 }
 
 /* The arc from the crossing where nothing hides the curve any more to the next one. */
-static bool lay_between(work *w, const esk_curve *c, const crossing *from, const crossing *to)
+static bool lay_between(work *w, const esk_curve *c, const esk_crossing *from, const esk_crossing *to)
 {
 	uint32_t first = 0, last = 0;
 	const double end = to->at > from->at ? to->at : to->at + (double)c->count;
@@ -368,15 +227,15 @@ static bool lay_between(work *w, const esk_curve *c, const crossing *from, const
 static bool lay_visible(work *w, size_t hidden)
 {
 	const esk_curve *c = &w->curves[w->curve_count - 1];
-	const size_t count = w->crossing_count, before = hidden;
+	const size_t count = w->crossings.count, before = hidden;
 	if (count == 0)
 		return hidden || lay_closed(w, c);
-	qsort(w->crossings, count, sizeof *w->crossings, compare_crossings);
+	esk_crossings_sort(&w->crossings);
 	for (size_t i = 0; i < count; i++) {
-		if (!w->crossings[i].hides && hidden == 0)
+		if (!w->crossings.items[i].hides && hidden == 0)
 			return false;
-		hidden = w->crossings[i].hides ? hidden + 1 : hidden - 1;
-		if (hidden == 0 && !lay_between(w, c, &w->crossings[i], &w->crossings[(i + 1) % count]))
+		hidden = w->crossings.items[i].hides ? hidden + 1 : hidden - 1;
+		if (hidden == 0 && !lay_between(w, c, &w->crossings.items[i], &w->crossings.items[(i + 1) % count]))
 			return false;
 	}
 	return hidden == before;
@@ -386,14 +245,17 @@ static bool lay_curve(work *w)
 {
 	const esk_curve *c = &w->curves[w->curve_count - 1];
 	size_t hidden = 0;
-	w->crossing_count = 0;
+	w->crossings.count = 0;
 	for (uint32_t k = 0; k < w->count; k++) {
 		if (k == w->a || k == w->b || w->seams->swallowed[k] ||
 			!esk_ellipsoids_meet(&w->all[k], &w->all[w->a]) ||
 			!esk_ellipsoids_meet(&w->all[k], &w->all[w->b]))
 			continue;
 		hidden += esk_ellipsoid_value(&w->all[k], c->points[0]) < 0;
-		if (!find_crossings(w, k))
+		const eskel_status status =
+			esk_crossings_add(&w->all[w->a], &w->all[w->b], c, &w->all[k], k, w->step, &w->crossings);
+		w->lacks_memory = w->lacks_memory || status == ESKEL_NO_MEMORY;
+		if (status)
 			return false;
 	}
 	return lay_visible(w, hidden);
@@ -436,7 +298,7 @@ eskel_status esk_seams_make(const esk_ellipsoid *all, uint32_t count, double ste
 	if (!status && !are_corners_whole(seams))
 		status = ESKEL_NUMERIC;
 	free(starts);
-	free(w.crossings);
+	free(w.crossings.items);
 	free(w.points);
 	free(w.lengths);
 	if (status)
