@@ -805,7 +805,9 @@ typedef struct {
 ESKEL_API eskel_status eskel_mesh_check(const eskel_mesh *mesh, eskel_mesh_check_result *result);
 
 /* The surface with a node of the lattice for each step^3 (mm): a closed manifold with the surface's normals, of at most
- * triangles_max (0: 2^24) triangles. ESKEL_INVALID for a step that is not positive, ESKEL_TOO_LARGE for more triangles, and
+ * triangles_max (0: 2^24) triangles. A union of ellipsoids is made of triangles with edges of about a step on each of them,
+ * cut where they meet: creases are sharp, and every piece is there, however small. Where ellipsoids touch without crossing,
+ * or creases are too close to one another, it is made as the others are. ESKEL_INVALID for a step that is not positive, ESKEL_TOO_LARGE for more triangles, and
  * where modes or an algebraic class lead far beyond the radii, ESKEL_EMPTY where the step is so large that no surface is
  * met. */
 ESKEL_API eskel_status eskel_surface_mesh(const eskel_surface *surface, double step, size_t triangles_max,

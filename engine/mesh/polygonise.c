@@ -19,8 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t default_triangles_max = (size_t)1 << 24;
-
 static const double longest_box = 1 << 20; /* in steps; coordinates of the lattice are at most twice that */
 
 /* Not the library's, of which the last bit is not the same everywhere. */
@@ -214,7 +212,7 @@ eskel_status esk_polygonise(
 	eskel_status status = check_options(options, error);
 	if (status != ESKEL_OK)
 		return status;
-	const size_t most = options->triangles_max ? options->triangles_max : default_triangles_max;
+	const size_t most = options->triangles_max ? options->triangles_max : ESK_TRIANGLES_MAX;
 	eskel_error found = {ESKEL_OK, ""};
 	work w = {.field = field};
 	start_lattice(field, options, options->step, &w.trace.lattice);

@@ -5,12 +5,14 @@
 #include "eskel.h"
 #include "field.h"
 
+#define ESK_TRIANGLES_MAX ((size_t)1 << 24)
+
 typedef struct {
 	double step;                  /* mm: there is a node of the lattice for each step^3 */
 	double least[3], greatest[3]; /* mm: a box that holds the whole surface */
 	const double (*seeds)[3];     /* points inside, such as the centres of ellipsoids; of any order */
 	size_t seed_count;
-	size_t triangles_max; /* 0: 2^24 */
+	size_t triangles_max; /* 0: ESK_TRIANGLES_MAX */
 	bool scan;            /* search all of the box too, for pieces on no vertical line through a seed */
 } esk_polygonise_options;
 

@@ -1,7 +1,10 @@
-/* The mesh of a composed surface (section 4): its field polygonised from the centres of its classes. */
+/* The mesh of a composed surface (section 4): a union of ellipsoids from their own triangles; any other, and what these cannot
+ * be trusted with, from its field, polygonised from the centres of its classes. */
 #include "elementary.h"
+#include "error.h"
 #include "polygonise.h"
 #include "surface.h"
+#include "union_mesh.h"
 
 #include <math.h>
 #include <string.h>
@@ -30,7 +33,15 @@ static void set_box(const eskel_surface *surface, esk_polygonise_options *option
 	}
 }
 
-eskel_status eskel_surface_mesh(
+static bool is_union_of_ellipsoids(const eskel_surface *surface)
+{
+	bool all = surface->composition.compose == ESKEL_COMPOSE_UNION;
+	for (uint32_t i = 0; i < surface->composition.count; i++)
+		all = all && surface->primitives[i].kind == ESKEL_PRIMITIVE_ELLIPSOID;
+	return all;
+}
+
+static eskel_status polygonise(
 	const eskel_surface *surface, double step, size_t triangles_max, eskel_mesh **mesh, eskel_error *error)
 {
 	double seeds[ESKEL_LEVELS_MAX][3];
@@ -43,4 +54,18 @@ eskel_status eskel_surface_mesh(
 		memcpy(seeds[i], surface->primitives[i].centre, sizeof seeds[i]);
 	set_box(surface, &options);
 	return esk_polygonise(&field, &options, mesh, error);
+}
+
+eskel_status eskel_surface_mesh(
+	const eskel_surface *surface, double step, size_t triangles_max, eskel_mesh **mesh, eskel_error *error)
+{
+	if (is_union_of_ellipsoids(surface) && step > 0 && step < INFINITY) {
+		const eskel_status status = esk_union_mesh(surface->primitives, surface->composition.count, step,
+			triangles_max ? triangles_max : ESK_TRIANGLES_MAX, mesh);
+		if (status == ESKEL_NO_MEMORY)
+			return esk_error_set(error, status, "memory ran out for a mesh");
+		if (status == ESKEL_OK)
+			return status;
+	}
+	return polygonise(surface, step, triangles_max, mesh, error);
 }

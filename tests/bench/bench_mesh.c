@@ -1,4 +1,4 @@
-/* Time of the surface of ten blended ellipsoids: bench_mesh FIGURE STEPS [FILE]
+/* Time of the surface of ten ellipsoids, blended and united: bench_mesh FIGURE STEPS [FILE]
  *
  * The step is the longest side of their box over STEPS. With FILE, writes the values on a cubic grid of that step, as
  * floats after three 32-bit extents: what the peers take. */
@@ -6,12 +6,15 @@
 #include "fields.h"
 #include "measure.h"
 #include "polygonise.h"
+#include "union_mesh.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct {
-	esk_composition blend;
+	eskel_primitive primitives[10];
+	esk_composition composition;
 	esk_field field;
 	double seeds[10][3];
 	esk_polygonise_options options;
@@ -39,12 +42,11 @@ static eskel_primitive primitive_of(const ellipsoid *e)
 static void set_up(scene *s, double steps)
 {
 	ellipsoids ten;
-	eskel_primitive primitives[10];
 	fields_ten(&ten);
 	for (int i = 0; i < 10; i++)
-		primitives[i] = primitive_of(&ten.items[i]);
-	esk_composition_make(primitives, 10, ESKEL_COMPOSE_BLEND, &s->blend);
-	s->field = esk_composition_field(&s->blend);
+		s->primitives[i] = primitive_of(&ten.items[i]);
+	esk_composition_make(s->primitives, 10, ESKEL_COMPOSE_BLEND, &s->composition);
+	s->field = esk_composition_field(&s->composition);
 	double longest = 0;
 	for (int a = 0; a < 3; a++) {
 		double least = 1e300, greatest = -1e300;
@@ -71,6 +73,47 @@ static void polygonise(void *context)
 	s->mesh = NULL;
 	if (esk_polygonise(&s->field, &s->options, &s->mesh, NULL) != ESKEL_OK)
 		fail("no mesh");
+}
+
+static void unite(void *context)
+{
+	scene *s = context;
+	eskel_mesh_free(s->mesh);
+	s->mesh = NULL;
+	if (esk_union_mesh(s->primitives, 10, s->options.step, ESK_TRIANGLES_MAX, &s->mesh) != ESKEL_OK)
+		fail("no mesh of the union");
+}
+
+/* How far the triangles' centres are from the surface, to the first order: to standard error. */
+static void print_distances(const scene *s, const char *figure, const char *what)
+{
+	eskel_mesh_check_result r;
+	if (eskel_mesh_check(s->mesh, &r) != ESKEL_OK || !r.is_manifold)
+		fail("the mesh is no closed manifold");
+	double sum = 0, most = 0;
+	for (size_t t = 0; t < s->mesh->triangle_count; t++) {
+		double centre[3] = {0, 0, 0}, g[3];
+		for (int k = 0; k < 3; k++)
+			for (int a = 0; a < 3; a++)
+				centre[a] += (double)s->mesh->vertices[s->mesh->triangles[t][k]][a] / 3;
+		const double value = s->field.gradient(s->field.context, centre, g);
+		const double distance = fabs(value) / sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+		sum += distance;
+		most = distance > most ? distance : most;
+	}
+	fprintf(stderr, "%s: %s, %zu triangles, %.1f degrees at least, off by %.4f steps, %.3f at most\n", figure, what,
+		s->mesh->triangle_count, r.least_angle, sum / (double)s->mesh->triangle_count / s->options.step,
+		most / s->options.step);
+}
+
+/* The same ellipsoids, not blended: from their own triangles, and marched. */
+static void measure_union(scene *s, const char *figure)
+{
+	esk_composition_make(s->primitives, 10, ESKEL_COMPOSE_UNION, &s->composition);
+	measure_print(figure, "eskel, union of ellipsoids", measure_least(unite, s), "ms");
+	print_distances(s, figure, "union of ellipsoids");
+	measure_print(figure, "the same union, marched", measure_least(polygonise, s), "ms");
+	print_distances(s, figure, "the same union, marched");
 }
 
 static void evaluate_grid(scene *s, FILE *file)
@@ -112,10 +155,7 @@ int main(int argc, char **argv)
 	measure_print(argv[1], "eskel, field and surface", measure_least(polygonise, &s), "ms");
 	measure_print(argv[1], "eskel, field and surface", measure_peak_megabytes(), "MB");
 	measure_print(argv[1], "the same field on the whole grid, no surface", measure_least(evaluate_all, &s), "ms");
-	eskel_mesh_check_result r;
-	if (eskel_mesh_check(s.mesh, &r) != ESKEL_OK || !r.is_manifold)
-		fail("the mesh is no closed manifold");
-	fprintf(stderr, "%s: %zu triangles, %.1f degrees at least\n", argv[1], s.mesh->triangle_count, r.least_angle);
+	print_distances(&s, argv[1], "blend");
 	if (argc > 3) {
 		FILE *file = fopen(argv[3], "wb");
 		if (!file)
@@ -124,6 +164,9 @@ int main(int argc, char **argv)
 		if (fclose(file) != 0)
 			fail("the disk is full");
 	}
+	char figure[256];
+	snprintf(figure, sizeof figure, "%s/union", argv[1]);
+	measure_union(&s, figure);
 	eskel_mesh_free(s.mesh);
 	return 0;
 }

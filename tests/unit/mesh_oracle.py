@@ -38,6 +38,20 @@ def open_edges(surface):
     return edges.GetOutput().GetNumberOfCells()
 
 
+def count_intersections(surface):
+    """Triangles that another one, with which it has no corner in common, cuts: by VTK's own test of two triangles."""
+    points = vtk_to_numpy(surface.GetPoints().GetData()).astype(float)
+    cells = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    corners = points[cells]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    found = 0
+    for i in range(len(cells)):
+        near = numpy.flatnonzero(((low[i + 1 :] <= high[i]) & (low[i] <= high[i + 1 :])).all(axis=1)) + i + 1
+        for j in near[~numpy.isin(cells[near], cells[i]).any(axis=1)]:
+            found += vtk.vtkTriangle.TrianglesIntersect(*corners[i], *corners[j])
+    return found
+
+
 def check(condition, what):
     if not condition:
         sys.exit(f"mesh_oracle: {what}")
@@ -98,6 +112,8 @@ with tempfile.TemporaryDirectory() as folder:
                 check_frame(path, frame)
                 check_assimp(path, int(triangles))
                 count += 1
+        union = read(pathlib.Path(folder, f"{name}-ras.ply"))
+        check(name != "union" or count_intersections(union) == 0, "the union intersects itself")
         if name == "ellipsoid":
             check(numpy.allclose(points.min(axis=0), [12, -40, 26], atol=0.1), "the ellipsoid lies elsewhere")
 print(f"{count} files")

@@ -50,6 +50,26 @@ static void write_ellipsoid(const char *folder)
 	eskel_mesh_free(mesh);
 }
 
+/* Three that meet in two corners. */
+static void write_union(const char *folder)
+{
+	eskel_primitive primitives[3];
+	eskel_surface *surface = NULL;
+	eskel_mesh *mesh = NULL;
+	for (int i = 0; i < 3; i++)
+		primitives[i] = (eskel_primitive){.centre = {7 * (i == 1), 6 * (i == 2), 3},
+			.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+			.radii = {6 + i, 7, 8},
+			.exponents = {1, 1},
+			.alpha = 1};
+	if (eskel_surface_compose(primitives, 3, ESKEL_COMPOSE_UNION, &surface) != ESKEL_OK ||
+		eskel_surface_mesh(surface, 1, 0, &mesh, NULL) != ESKEL_OK)
+		fail("no union");
+	write_all(folder, "union", mesh);
+	eskel_mesh_free(mesh);
+	eskel_surface_free(surface);
+}
+
 static void write_voxels(const char *folder)
 {
 	const eskel_run runs[] = {{0, 3, 0, 0}, {2, 5, 1, 0}, {1, 2, 1, 1}, {4, 4, 2, 1}, {0, 0, 2, 2}};
@@ -69,6 +89,7 @@ int main(int argc, char **argv)
 	if (argc != 2)
 		fail("usage: print_mesh FOLDER");
 	write_ellipsoid(argv[1]);
+	write_union(argv[1]);
 	write_voxels(argv[1]);
 	return 0;
 }

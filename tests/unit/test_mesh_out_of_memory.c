@@ -58,6 +58,24 @@ static eskel_status simplify(eskel_mesh **mesh)
 	return status;
 }
 
+/* Of four, with corners. */
+static eskel_status unite(eskel_mesh **mesh)
+{
+	eskel_primitive primitives[4];
+	for (int i = 0; i < 4; i++)
+		primitives[i] = (eskel_primitive){.centre = {i % 2 * 5, i / 2 * 6, 0},
+			.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+			.radii = {5, 6, 7 + i},
+			.exponents = {1, 1},
+			.alpha = 1};
+	eskel_surface *surface = NULL;
+	eskel_status status = eskel_surface_compose(primitives, 4, ESKEL_COMPOSE_UNION, &surface);
+	if (status == ESKEL_OK)
+		status = eskel_surface_mesh(surface, 1, 0, mesh, NULL);
+	eskel_surface_free(surface);
+	return status;
+}
+
 static eskel_status make_voxels(eskel_mesh **mesh)
 {
 	eskel_run runs[] = {{0, 3, 0, 0}, {2, 5, 1, 0}, {1, 2, 1, 1}};
@@ -73,7 +91,7 @@ static eskel_status make_voxels(eskel_mesh **mesh)
 static void every_failed_allocation_is_reported_and_leaks_nothing(void **state)
 {
 	(void)state;
-	eskel_status (*const makers[])(eskel_mesh **) = {polygonise, refuse, simplify, make_voxels};
+	eskel_status (*const makers[])(eskel_mesh **) = {polygonise, refuse, simplify, unite, make_voxels};
 	for (size_t m = 0; m < sizeof makers / sizeof *makers; m++) {
 		int failures = 0;
 		for (bool failed = true; failed && failures < 1000; failures++) {
