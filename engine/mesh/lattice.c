@@ -98,7 +98,7 @@ static bool find_block(esk_lattice *l, const int32_t at[3], uint32_t *block)
 			return false;
 		l->blocks = blocks;
 		esk_block *made = &l->blocks[l->block_count];
-		memset(made, 0, offsetof(esk_block, cuts));
+		memset(made, 0, offsetof(esk_block, vertices));
 		memset(made->around, 0xff, sizeof made->around); /* ESK_NO_BLOCK */
 		memcpy(made->at, at, sizeof made->at);
 		made->around[ESK_OWN] = (uint32_t)l->block_count;
@@ -153,22 +153,9 @@ bool esk_lattice_ask(esk_lattice *l, uint32_t block, int slot, uint64_t nodes)
 		if (!find_block(l, at, &to))
 			return false;
 		l->blocks[block].around[slot] = to;
+		l->blocks[to].around[slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS] = block;
 	}
 	return ask(l, to, nodes);
-}
-
-void esk_lattice_link(esk_lattice *l)
-{
-	for (esk_block *block = l->blocks; block < l->blocks + l->block_count; block++)
-		for (int slot = 0; slot < ESK_DIRECTIONS; slot++) {
-			int32_t at[3];
-			find_corner(block, slot, at);
-			const uint32_t found = l->table[place_of(l, at)];
-			if (!found)
-				continue;
-			block->around[slot] = found - 1;
-			l->blocks[found - 1].around[slot + ESK_DIRECTIONS] = (uint32_t)(block - l->blocks);
-		}
 }
 
 void esk_lattice_gather(const esk_lattice *l, uint32_t b, esk_word word, bool back, uint64_t near[ESK_AROUND])

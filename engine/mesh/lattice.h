@@ -24,7 +24,8 @@ enum {
 	ESK_STAR = 24,   /* tetrahedra around a node */
 	ESK_PLACES = 64, /* nodes of a block */
 	ESK_PLACE_BITS = 6,
-	ESK_LATTICE_REACH = 1 << 22, /* coordinates are smaller than that, of either sign */
+	ESK_VERTEX_KINDS = ESK_DIRECTIONS + 1, /* on edges by direction, and snapped nodes */
+	ESK_LATTICE_REACH = 1 << 22,           /* coordinates are smaller than that, of either sign */
 };
 
 #define ESK_NO_BLOCK UINT32_MAX
@@ -45,11 +46,11 @@ typedef enum {
 
 typedef struct {
 	int32_t at[3];               /* of its first node */
-	uint32_t around[ESK_AROUND]; /* blocks by slot; ESK_NO_BLOCK: not asked for from here */
+	uint32_t around[ESK_AROUND]; /* blocks by slot; ESK_NO_BLOCK: neither has asked for the other */
 	uint64_t words[ESK_WORDS];
-	uint64_t cuts[ESK_DIRECTIONS];      /* cells.h: edges by direction from their first node, */
-	uint32_t first[ESK_DIRECTIONS + 1]; /* and numbers of what lies on them */
-	double values[ESK_PLACES];          /* of the field */
+	uint64_t vertices[ESK_VERTEX_KINDS]; /* vertices.h: those of a kind, by the first node of their edge, */
+	uint32_t first[ESK_VERTEX_KINDS];    /* and the number of the first of them */
+	double values[ESK_PLACES];           /* of the field */
 } esk_block;
 
 /* A node's number is 64 times that of its block, and its place there. */
@@ -74,8 +75,6 @@ bool esk_lattice_node(esk_lattice *lattice, const int32_t at[3], uint32_t *node)
 bool esk_lattice_ask(esk_lattice *lattice, uint32_t block, int slot, uint64_t nodes);
 /* The values of all nodes asked for. */
 void esk_lattice_evaluate(esk_lattice *lattice);
-/* Lets all blocks know all blocks around them. */
-void esk_lattice_link(esk_lattice *lattice);
 /* The words of a block's neighbourhood, as bits by slot of neighbours (esk_words_gather). */
 void esk_lattice_gather(
 	const esk_lattice *lattice, uint32_t block, esk_word word, bool back, uint64_t near[ESK_AROUND]);
@@ -116,7 +115,7 @@ static inline void esk_lattice_position(const esk_lattice *lattice, const int32_
 		position[a] = lattice->origin[a] + lattice->step_half * (sum - 2 * at[a]);
 }
 
-/* A node's neighbour in a slot, whose block was asked for from the node's. */
+/* A node's neighbour in a slot, where one of their blocks has asked for the other. */
 static inline uint32_t esk_lattice_next(const esk_lattice *lattice, uint32_t node, int slot)
 {
 	const uint32_t place = node & (ESK_PLACES - 1);

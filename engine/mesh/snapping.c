@@ -10,8 +10,9 @@
 #define NEAR_SHORT 0.41189
 #define NEAR_LONG 0.24999
 
-/* By direction: in step_half, and in parts of the edge. */
-static const double edge_lengths[ESK_DIRECTIONS] = {SHORT, SHORT, LONG, SHORT, LONG, LONG, SHORT};
+/* By direction: 1 over the length in step_half, and in parts of the edge. */
+static const double edge_slopes[ESK_DIRECTIONS] = {
+	1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG, 1 / SHORT};
 static const double near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
@@ -43,20 +44,17 @@ static void snap_block(const esk_lattice *l, uint32_t b)
 			snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
 }
 
-uint32_t esk_snap_other(const esk_lattice *l, uint32_t node, unsigned cut)
+int esk_snap_slot(const esk_lattice *l, uint32_t node, unsigned cut)
 {
-	const double value = esk_lattice_value(l, node);
-	double least = INFINITY;
-	uint32_t nearest = esk_lattice_next(l, node, __builtin_ctz(cut));
+	const double value = fabs(esk_lattice_value(l, node));
+	double most = 0;
+	int nearest = __builtin_ctz(cut);
 	for (; cut; cut &= cut - 1) {
 		const int slot = __builtin_ctz(cut);
-		const uint32_t other = esk_lattice_next(l, node, slot);
-		const double length =
-			value / (value - esk_lattice_value(l, other)) * edge_lengths[slot % ESK_DIRECTIONS];
-		if (length < least) {
-			least = length;
-			nearest = other;
-		}
+		const double change = value + fabs(esk_lattice_value(l, esk_lattice_next(l, node, slot)));
+		const double slope = change * edge_slopes[slot % ESK_DIRECTIONS];
+		nearest = slope > most ? slot : nearest;
+		most = slope > most ? slope : most;
 	}
 	return nearest;
 }

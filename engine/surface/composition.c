@@ -252,9 +252,10 @@ static double field_gradient(const void *context, const double point[3], double 
 	return esk_composition_gradient(context, point, gradient);
 }
 
-static void field_gradients(const void *context, size_t count, const double (*points)[3], double (*gradients)[3])
+static void field_gradients(
+	const void *context, size_t count, const double (*points)[3], double *values, double (*gradients)[3])
 {
-	esk_composition_gradients(context, count, points, NULL, gradients);
+	esk_composition_gradients(context, count, points, values, gradients);
 }
 
 esk_field esk_composition_field(const esk_composition *composition)
