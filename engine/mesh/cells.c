@@ -192,16 +192,22 @@ static bool reserve(esk_cells *cells, size_t count)
 	return good;
 }
 
-static void find_neighbourhood(const esk_lattice *l, uint32_t b, neighbourhood *n)
+/* Whether a corner of a cube of the block is active. */
+static bool find_neighbourhood(const esk_lattice *l, uint32_t b, neighbourhood *n)
 {
-	esk_lattice_gather(l, b, ESK_FILLED, false, n->inside);
-	esk_lattice_gather(l, b, ESK_SNAPPED, false, n->snapped);
-	esk_lattice_gather(l, b, ESK_ACTIVE, false, n->active);
+	uint64_t any = 0;
 	for (int m = 0; m < 8; m++) {
 		const int slot = esk_slot_of(m, false);
 		const uint32_t next = l->blocks[b].around[slot];
 		n->blocks[slot] = &l->blocks[next == ESK_NO_BLOCK ? b : next];
+		any |= n->blocks[slot]->words[ESK_ACTIVE];
 	}
+	if (!any)
+		return false;
+	esk_lattice_gather(l, b, ESK_FILLED, false, n->inside);
+	esk_lattice_gather(l, b, ESK_SNAPPED, false, n->snapped);
+	esk_lattice_gather(l, b, ESK_ACTIVE, false, n->active);
+	return true;
 }
 
 ESK_EVERY_WIDTH static bool add_block(work *w, uint32_t b)
@@ -209,7 +215,8 @@ ESK_EVERY_WIDTH static bool add_block(work *w, uint32_t b)
 	neighbourhood n;
 	uint64_t crossed[ESK_TETRAHEDRA];
 	size_t count = 0;
-	find_neighbourhood(w->lattice, b, &n);
+	if (!find_neighbourhood(w->lattice, b, &n))
+		return true;
 	for (int t = 0; t < ESK_TETRAHEDRA; t++) {
 		crossed[t] = find_crossed(&n, &w->star->tetrahedra[t]);
 		count += (size_t)__builtin_popcountll(crossed[t]);
@@ -221,11 +228,13 @@ ESK_EVERY_WIDTH static bool add_block(work *w, uint32_t b)
 	return true;
 }
 
-bool esk_cells_make(const esk_lattice *lattice, const esk_star *star, const float (*positions)[3], esk_cells *cells)
+bool esk_cells_make(const esk_lattice *lattice, const esk_star *star, size_t vertex_count, const float (*positions)[3],
+	esk_cells *cells)
 {
 	work w = {.lattice = lattice, .star = star, .positions = positions, .cells = cells};
 	make_crossings(&w);
-	bool good = true;
+	bool good = reserve(
+		cells, 2 * vertex_count); /* Euler: 2 more, or less by 2 for each component or more for each handle */
 	for (size_t b = 0; b < lattice->block_count && good; b++)
 		good = add_block(&w, (uint32_t)b);
 	return good;

@@ -13,7 +13,8 @@ typedef struct {
 
 /* Of a lattice whose vertices are numbered (vertices.h) and lie at the positions; false when memory ran out. A quadrangle is
  * divided along its shorter diagonal. */
-bool esk_cells_make(const esk_lattice *lattice, const esk_star *star, const float (*positions)[3], esk_cells *cells);
+bool esk_cells_make(const esk_lattice *lattice, const esk_star *star, size_t vertex_count, const float (*positions)[3],
+	esk_cells *cells);
 void esk_cells_clear(esk_cells *cells);
 
 #endif

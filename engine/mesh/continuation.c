@@ -68,8 +68,6 @@ static eskel_status activate(tracer *t, uint32_t block, uint64_t nodes)
 	nodes &= ~words[ESK_ACTIVE];
 	if (!nodes)
 		return ESKEL_OK;
-	if (leaves_box(t, block, nodes))
-		return esk_error_set(t->error, ESKEL_TOO_LARGE, "the surface leaves its box");
 	t->trace->count += (size_t)__builtin_popcountll(nodes);
 	if (t->trace->count > t->most)
 		return ESKEL_TOO_LARGE;
@@ -91,16 +89,6 @@ static eskel_status activate_both(tracer *t, uint32_t a, uint32_t b)
 		return ESKEL_OK;
 	eskel_status status = activate(t, a >> ESK_PLACE_BITS, esk_lattice_bit(a));
 	return status == ESKEL_OK ? activate(t, b >> ESK_PLACE_BITS, esk_lattice_bit(b)) : status;
-}
-
-static bool ask_around(tracer *t, uint32_t block, uint64_t nodes)
-{
-	uint64_t reached[ESK_AROUND];
-	bool good = true;
-	esk_words_spread(nodes, reached);
-	for (int s = 0; s < ESK_AROUND && good; s++)
-		good = !reached[s] || esk_lattice_ask(&t->trace->lattice, block, s, reached[s]);
-	return good;
 }
 
 /* Activates the neighbours of the other sign. */
@@ -130,7 +118,9 @@ static eskel_status follow_some(tracer *t, const uint32_t *some, size_t count)
 		uint64_t *words = t->trace->lattice.blocks[some[i]].words;
 		fresh[i] = words[ESK_ACTIVE] & ~words[ESK_FOLLOWED];
 		words[ESK_FOLLOWED] = words[ESK_ACTIVE];
-		if (!ask_around(t, some[i], fresh[i]))
+		if (leaves_box(t, some[i], fresh[i]))
+			return esk_error_set(t->error, ESKEL_TOO_LARGE, "the surface leaves its box");
+		if (!esk_lattice_ask_around(&t->trace->lattice, some[i], fresh[i]))
 			return no_memory(t);
 	}
 	esk_lattice_evaluate(&t->trace->lattice);
@@ -216,7 +206,8 @@ static eskel_status meet_seed(tracer *t, const double seed[3], uint32_t *nodes)
 			return esk_error_set(t->error, ESKEL_INVALID, "a seed lies at %g, expected %g to %g", seed[a],
 				t->options->least[a], t->options->greatest[a]);
 	esk_lattice_nearest(lattice, seed, at);
-	if (!esk_lattice_node(lattice, at, &node) || !ask_around(t, node >> ESK_PLACE_BITS, esk_lattice_bit(node)))
+	if (!esk_lattice_node(lattice, at, &node) ||
+		!esk_lattice_ask_around(lattice, node >> ESK_PLACE_BITS, esk_lattice_bit(node)))
 		return no_memory(t);
 	esk_lattice_evaluate(lattice);
 	eskel_status status = ESKEL_OK;

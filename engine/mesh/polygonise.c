@@ -106,7 +106,7 @@ static bool fill_mesh(work *w, const esk_star *star, eskel_mesh *mesh)
 {
 	const esk_lattice *l = &w->trace.lattice;
 	esk_vertices_place(&w->vertices, l, mesh->vertices, mesh->normals);
-	if (!esk_cells_make(l, star, (const float(*)[3])mesh->vertices, &w->cells))
+	if (!esk_cells_make(l, star, mesh->vertex_count, (const float(*)[3])mesh->vertices, &w->cells))
 		return false;
 	free(mesh->triangles);
 	mesh->triangles = w->cells.triangles;

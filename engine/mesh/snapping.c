@@ -2,57 +2,55 @@
 
 #include <math.h>
 
-#define SHORT 1.7320508075688772 /* sqrt(3) */
-#define LONG 2.0
+#define SHORT 1.7320508f /* sqrt(3) */
+#define LONG 2.0f
 /* Of an edge, how near to a node a cut must be: the pair with which the paper proves its dihedral angles of tetrahedra, 10.7
  * degrees at least. What they do to triangles, whose angles it does not bound, is measured: 15 degrees at least on smooth
  * surfaces (test_polygonise.c). */
-#define NEAR_SHORT 0.41189
-#define NEAR_LONG 0.24999
+#define NEAR_SHORT 0.41189f
+#define NEAR_LONG 0.24999f
 
 /* By direction: 1 over the length in step_half, and in parts of the edge. */
-static const double edge_slopes[ESK_DIRECTIONS] = {
+static const float edge_slopes[ESK_DIRECTIONS] = {
 	1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG, 1 / SHORT};
-static const double near_parts[ESK_DIRECTIONS] = {
+static const float near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-/* Without a branch, which no processor would foresee. */
-static void snap_if(const esk_lattice *l, uint32_t node, bool near)
-{
-	esk_lattice_block(l, node)->words[ESK_SNAPPED] |= (uint64_t)near << (node & (ESK_PLACES - 1));
-}
-
-/* The ends of an edge that its cut is near to. Values are as far from 0 as, to first order, the ends are from the cut. */
-static void snap_ends(const esk_lattice *l, uint32_t node, int direction)
+/* The ends of the edge of a direction, cut from a node of a block on, that its cut is near to: marked, or told as a bit, if it is
+ * that node. Values are as far from 0 as, to first order, the ends are from the cut. No branch, which no processor foresees. */
+static uint64_t snap_ends(const esk_lattice *l, uint32_t node, int direction)
 {
 	const uint32_t other = esk_lattice_next(l, node, direction);
-	const double value = fabs(esk_lattice_value(l, node)), other_value = fabs(esk_lattice_value(l, other));
-	const double near = near_parts[direction] * (value + other_value);
-	snap_if(l, node, value <= near);
-	snap_if(l, other, other_value <= near);
+	const float value = fabsf(esk_lattice_value(l, node)), other_value = fabsf(esk_lattice_value(l, other));
+	const float near = near_parts[direction] * (value + other_value);
+	esk_lattice_block(l, other)->words[ESK_SNAPPED] |= (uint64_t)(other_value <= near)
+							   << (other & (ESK_PLACES - 1));
+	return (uint64_t)(value <= near) << (node & (ESK_PLACES - 1));
 }
 
 static void snap_block(const esk_lattice *l, uint32_t b)
 {
-	const esk_block *block = &l->blocks[b];
-	uint64_t inside[ESK_AROUND];
-	if (!block->words[ESK_ACTIVE])
+	esk_block *block = &l->blocks[b];
+	const uint64_t active = block->words[ESK_ACTIVE];
+	uint64_t inside[ESK_AROUND], snapped = 0;
+	if (!active)
 		return;
 	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
 	for (int d = 0; d < ESK_DIRECTIONS; d++)
-		for (uint64_t cut = block->words[ESK_ACTIVE] & (inside[ESK_OWN] ^ inside[d]); cut; cut &= cut - 1)
-			snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
+		for (uint64_t cut = active & (inside[ESK_OWN] ^ inside[d]); cut; cut &= cut - 1)
+			snapped |= snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
+	block->words[ESK_SNAPPED] |= snapped;
 }
 
 int esk_snap_slot(const esk_lattice *l, uint32_t node, unsigned cut)
 {
-	const double value = fabs(esk_lattice_value(l, node));
-	double most = 0;
+	const float value = fabsf(esk_lattice_value(l, node));
+	float most = 0;
 	int nearest = __builtin_ctz(cut);
 	for (; cut; cut &= cut - 1) {
 		const int slot = __builtin_ctz(cut);
-		const double change = value + fabs(esk_lattice_value(l, esk_lattice_next(l, node, slot)));
-		const double slope = change * edge_slopes[slot % ESK_DIRECTIONS];
+		const float change = value + fabsf(esk_lattice_value(l, esk_lattice_next(l, node, slot)));
+		const float slope = change * edge_slopes[slot % ESK_DIRECTIONS];
 		nearest = slope > most ? slot : nearest;
 		most = slope > most ? slope : most;
 	}
@@ -166,19 +164,16 @@ static void release(const esk_lattice *l, esk_block *block, uint64_t nodes)
 /* All at once, so that no order matters. Whether there was one. */
 static bool release_breakers(const esk_lattice *l, rule_book *book)
 {
-	bool any = false;
-	for (size_t b = 0; b < l->block_count; b++)
-		l->blocks[b].words[ESK_BREAKS] = find_breakers(l, book, (uint32_t)b);
-	for (size_t b = 0; b < l->block_count; b++)
-		l->blocks[b].words[ESK_SUSPECT] = 0;
+	uint64_t any = 0;
 	for (size_t b = 0; b < l->block_count; b++) {
-		uint64_t *breakers = &l->blocks[b].words[ESK_BREAKS];
-		if (*breakers) {
-			release(l, &l->blocks[b], *breakers);
-			any = true;
-		}
-		*breakers = 0;
+		uint64_t *words = l->blocks[b].words;
+		words[ESK_BREAKS] = find_breakers(l, book, (uint32_t)b);
+		words[ESK_SUSPECT] = 0;
+		any |= words[ESK_BREAKS];
 	}
+	for (size_t b = 0; b < l->block_count && any; b++)
+		if (l->blocks[b].words[ESK_BREAKS])
+			release(l, &l->blocks[b], l->blocks[b].words[ESK_BREAKS]);
 	return any;
 }
 

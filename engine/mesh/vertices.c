@@ -106,10 +106,8 @@ static void find_root(const esk_lattice *l, const esk_edge *e, const double way[
 {
 	const int slot = (int)e->slot;
 	const uint32_t outside = esk_lattice_next(l, e->inside, slot);
-	int32_t at[3];
 	double position[3];
-	esk_lattice_at(l, e->inside, at);
-	esk_lattice_position(l, at, position);
+	esk_lattice_find(l, e->inside, position);
 	for (int a = 0; a < 3; a++) {
 		roots->inside[a][i] = position[a];
 		roots->along[a][i] = way[a] * l->step_half;
