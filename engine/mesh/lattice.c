@@ -180,11 +180,9 @@ static bool find_next_block(esk_lattice *l, uint32_t block, int slot, uint32_t *
 	return true;
 }
 
-bool esk_lattice_ask_around(esk_lattice *l, uint32_t block, uint64_t nodes)
+bool esk_lattice_ask_around(esk_lattice *l, uint32_t block, const uint64_t reached[ESK_AROUND])
 {
-	uint64_t reached[ESK_AROUND];
 	bool good = true;
-	esk_words_spread(nodes, reached);
 	for (int s = 0; s < ESK_AROUND && good; s++) {
 		uint32_t to = l->blocks[block].around[s];
 		if (reached[s])

@@ -27,14 +27,12 @@ static const double cube_root_of_2 = 1.2599210498948732;
 
 typedef struct {
 	esk_trace trace;
-	esk_vertices vertices;
 	esk_cells cells;
 } work;
 
 static void clear(work *w)
 {
 	esk_lattice_clear(&w->trace.lattice);
-	esk_vertices_clear(&w->vertices);
 	esk_cells_clear(&w->cells);
 }
 
@@ -95,17 +93,11 @@ static eskel_status refuse_step(
 	return status;
 }
 
-static bool number_vertices(work *w, const esk_star *star)
-{
-	esk_snap(&w->trace.lattice, star);
-	return esk_vertices_make(&w->trace.lattice, &w->vertices);
-}
-
 /* Places the vertices, and takes over the triangles. */
 static bool fill_mesh(work *w, const esk_star *star, eskel_mesh *mesh)
 {
 	const esk_lattice *l = &w->trace.lattice;
-	esk_vertices_place(&w->vertices, l, mesh->vertices, mesh->normals);
+	esk_vertices_place(l, mesh->vertices, mesh->normals);
 	if (!esk_cells_make(l, star, mesh->vertex_count, (const float(*)[3])mesh->vertices, &w->cells))
 		return false;
 	free(mesh->triangles);
@@ -118,14 +110,13 @@ static bool fill_mesh(work *w, const esk_star *star, eskel_mesh *mesh)
 static eskel_status make_mesh(work *w, size_t most, eskel_mesh **mesh, eskel_error *error)
 {
 	esk_star star;
-	eskel_mesh *made = NULL;
 	esk_star_make(&star);
-	if (number_vertices(w, &star))
-		made = esk_mesh_new(w->vertices.count, 0);
+	esk_snap(&w->trace.lattice, &star);
+	const size_t vertex_count = esk_vertices_number(&w->trace.lattice);
+	eskel_mesh *made = esk_mesh_new(vertex_count, 0);
 	if (!made || !fill_mesh(w, &star, made)) {
 		eskel_mesh_free(made);
-		return esk_error_set(
-			error, ESKEL_NO_MEMORY, "memory ran out for a mesh of %zu vertices", w->vertices.count);
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for a mesh of %zu vertices", vertex_count);
 	}
 	if (made->triangle_count > most) {
 		eskel_mesh_free(made);

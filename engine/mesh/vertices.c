@@ -2,12 +2,11 @@
  * one of its kind in the block, and the count of bits below its own. */
 #include "vertices.h"
 
-#include "memory.h"
+#include "lanes.h"
 #include "roots.h"
 #include "snapping.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Edges from active nodes on, from inside to outside, of which neither end is snapped. */
@@ -26,27 +25,87 @@ static void find_vertices(const esk_lattice *l, uint32_t b)
 	block->vertices[ESK_DIRECTIONS] = block->words[ESK_SNAPPED];
 }
 
-static int opposite(int slot)
+ESK_EVERY_WIDTH size_t esk_vertices_number(esk_lattice *l)
 {
-	return slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS;
+	size_t count = 0;
+	for (size_t b = 0; b < l->block_count; b++) {
+		esk_block *block = &l->blocks[b];
+		find_vertices(l, (uint32_t)b);
+		for (int kind = 0; kind < ESK_VERTEX_KINDS; kind++) {
+			block->first[kind] = (uint32_t)count;
+			count += (size_t)__builtin_popcountll(block->vertices[kind]);
+		}
+	}
+	return count;
 }
 
-/* From a node to the neighbour in a slot, turned around where the node is outside. */
-static void add_edge(const esk_lattice *l, esk_vertices *v, uint32_t node, int slot)
+/* ---- where they lie */
+
+typedef struct {
+	const esk_lattice *lattice;
+	double ways[ESK_NEIGHBOURS][3]; /* in mm, to the neighbour in a slot */
+	esk_roots roots;
+	size_t first, count; /* number of the first of the roots, and how many they are */
+	float (*positions)[3], (*normals)[3];
+} work;
+
+static void find_ways(double step_half, double ways[ESK_NEIGHBOURS][3])
 {
+	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
+		const int mask = s % ESK_DIRECTIONS + 1, sign = s < ESK_DIRECTIONS ? 1 : -1;
+		for (int a = 0; a < 3; a++)
+			ways[s][a] = sign * (__builtin_popcount((unsigned)mask) - 2 * (mask >> a & 1)) * step_half;
+	}
+}
+
+static void write_normal(const double gradient[3], float normal[3])
+{
+	const double length = sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
+	for (int a = 0; a < 3; a++)
+		normal[a] = (float)(length > 0 && length < INFINITY ? gradient[a] / length : 0);
+}
+
+static void place_roots(work *w)
+{
+	double points[ESK_ROOTS_MOST][3], gradients[ESK_ROOTS_MOST][3];
+	esk_roots_find(w->lattice->field, w->count, &w->roots, points, gradients);
+	for (size_t i = 0; i < w->count; i++) {
+		for (int a = 0; a < 3; a++)
+			w->positions[w->first + i][a] = (float)points[i][a];
+		write_normal(gradients[i], w->normals[w->first + i]);
+	}
+	w->first += w->count;
+	w->count = 0;
+}
+
+/* The vertex on the edge from a node to the neighbour in a slot. Ends of cut edges are active, and so all of their neighbours
+ * known. */
+static void add_root(work *w, uint32_t node, int slot)
+{
+	const esk_lattice *l = w->lattice;
+	const int opposite = slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS;
 	const uint32_t other = esk_lattice_next(l, node, slot);
-	const bool inside = esk_lattice_has(l, node, ESK_INSIDE);
-	v->edges[v->count++] = (esk_edge){inside ? node : other, (uint32_t)(inside ? slot : opposite(slot))};
+	const bool outside = !esk_lattice_has(l, node, ESK_INSIDE);
+	const double *way = w->ways[outside ? opposite : slot];
+	esk_roots *r = &w->roots;
+	double position[3];
+	if (w->count == ESK_ROOTS_MOST)
+		place_roots(w);
+	const size_t i = w->count++;
+	esk_lattice_find(l, outside ? other : node, position);
+	for (int a = 0; a < 3; a++) {
+		r->inside[a][i] = position[a];
+		r->along[a][i] = way[a];
+	}
+	r->values[outside ? 3 : 0][i] = esk_lattice_value(l, esk_lattice_next(l, node, opposite));
+	r->values[outside ? 2 : 1][i] = esk_lattice_value(l, node);
+	r->values[outside ? 1 : 2][i] = esk_lattice_value(l, other);
+	r->values[outside ? 0 : 3][i] = esk_lattice_value(l, esk_lattice_next(l, other, slot));
 }
 
-static void add_cut_edges(const esk_lattice *l, esk_vertices *v, uint32_t block, int direction)
+static void add_snapped_nodes(work *w, uint32_t block)
 {
-	for (uint64_t rest = l->blocks[block].vertices[direction]; rest; rest &= rest - 1)
-		add_edge(l, v, block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest), direction);
-}
-
-static void add_snapped_edges(const esk_lattice *l, esk_vertices *v, uint32_t block)
-{
+	const esk_lattice *l = w->lattice;
 	const uint64_t *words = l->blocks[block].words;
 	uint64_t cut[ESK_AROUND];
 	if (!words[ESK_SNAPPED])
@@ -58,89 +117,23 @@ static void add_snapped_edges(const esk_lattice *l, esk_vertices *v, uint32_t bl
 	for (uint64_t rest = words[ESK_SNAPPED]; rest; rest &= rest - 1) {
 		const int place = __builtin_ctzll(rest);
 		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)place;
-		add_edge(l, v, node, esk_snap_slot(l, node, esk_words_bits(cut, place)));
+		add_root(w, node, esk_snap_slot(l, node, esk_words_bits(cut, place)));
 	}
 }
 
-bool esk_vertices_make(esk_lattice *l, esk_vertices *v)
+void esk_vertices_place(const esk_lattice *l, float (*positions)[3], float (*normals)[3])
 {
-	size_t count = 0;
-	for (size_t b = 0; b < l->block_count; b++) {
-		find_vertices(l, (uint32_t)b);
-		for (int kind = 0; kind < ESK_VERTEX_KINDS; kind++) {
-			l->blocks[b].first[kind] = (uint32_t)count;
-			count += (size_t)__builtin_popcountll(l->blocks[b].vertices[kind]);
-		}
-	}
-	v->edges = esk_memory_array(count, sizeof *v->edges);
-	if (!v->edges)
-		return false;
-	for (size_t b = 0; b < l->block_count; b++) {
+	work w;
+	w.lattice = l;
+	w.first = w.count = 0;
+	w.positions = positions;
+	w.normals = normals;
+	find_ways(l->step_half, w.ways);
+	for (uint32_t b = 0; b < l->block_count; b++) {
 		for (int d = 0; d < ESK_DIRECTIONS; d++)
-			add_cut_edges(l, v, (uint32_t)b, d);
-		add_snapped_edges(l, v, (uint32_t)b);
+			for (uint64_t rest = l->blocks[b].vertices[d]; rest; rest &= rest - 1)
+				add_root(&w, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest), d);
+		add_snapped_nodes(&w, b);
 	}
-	return true;
-}
-
-void esk_vertices_clear(esk_vertices *v)
-{
-	free(v->edges);
-	*v = (esk_vertices){0};
-}
-
-/* ---- where they lie */
-
-/* In step_half: the way to the neighbour in a slot. */
-static void find_ways(double ways[ESK_NEIGHBOURS][3])
-{
-	for (int s = 0; s < ESK_NEIGHBOURS; s++) {
-		const int mask = s % ESK_DIRECTIONS + 1, sign = s < ESK_DIRECTIONS ? 1 : -1;
-		for (int a = 0; a < 3; a++)
-			ways[s][a] = sign * (__builtin_popcount((unsigned)mask) - 2 * (mask >> a & 1));
-	}
-}
-
-/* Ends of cut edges are active, and so all of their neighbours known. */
-static void find_root(const esk_lattice *l, const esk_edge *e, const double way[3], size_t i, esk_roots *roots)
-{
-	const int slot = (int)e->slot;
-	const uint32_t outside = esk_lattice_next(l, e->inside, slot);
-	double position[3];
-	esk_lattice_find(l, e->inside, position);
-	for (int a = 0; a < 3; a++) {
-		roots->inside[a][i] = position[a];
-		roots->along[a][i] = way[a] * l->step_half;
-	}
-	roots->values[0][i] = esk_lattice_value(l, esk_lattice_next(l, e->inside, opposite(slot)));
-	roots->values[1][i] = esk_lattice_value(l, e->inside);
-	roots->values[2][i] = esk_lattice_value(l, outside);
-	roots->values[3][i] = esk_lattice_value(l, esk_lattice_next(l, outside, slot));
-}
-
-static void write_normal(const double gradient[3], float normal[3])
-{
-	const double length = sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
-	for (int a = 0; a < 3; a++)
-		normal[a] = (float)(length > 0 && length < INFINITY ? gradient[a] / length : 0);
-}
-
-void esk_vertices_place(const esk_vertices *v, const esk_lattice *l, float (*positions)[3], float (*normals)[3])
-{
-	esk_roots roots;
-	double ways[ESK_NEIGHBOURS][3], points[ESK_ROOTS_MOST][3], gradients[ESK_ROOTS_MOST][3];
-	find_ways(ways);
-	for (size_t first = 0; first < v->count; first += ESK_ROOTS_MOST) {
-		const size_t rest = v->count - first, count = rest < ESK_ROOTS_MOST ? rest : ESK_ROOTS_MOST;
-		for (size_t i = 0; i < count; i++) {
-			const esk_edge *e = &v->edges[first + i];
-			find_root(l, e, ways[e->slot], i, &roots);
-		}
-		esk_roots_find(l->field, count, &roots, points, gradients);
-		for (size_t i = 0; i < count; i++) {
-			for (int a = 0; a < 3; a++)
-				positions[first + i][a] = (float)points[i][a];
-			write_normal(gradients[i], normals[first + i]);
-		}
-	}
+	place_roots(&w);
 }
