@@ -67,6 +67,19 @@ static inline void esk_words_spread_one_way(uint64_t word, bool back, uint64_t w
 		words[esk_slot_of(m, back)] |= w[m];
 }
 
+/* Nodes of a block, and their neighbours in it. */
+static inline uint64_t esk_word_spread(uint64_t word)
+{
+	uint64_t forward = word, back = word;
+	for (int a = 0; a < 3; a++) {
+		const int step = esk_layer_steps[a];
+		const uint64_t first = esk_first_layers[a], last = first << 3 * step;
+		forward |= (forward & ~last) << step;
+		back |= (back & ~first) >> step;
+	}
+	return forward | back;
+}
+
 static inline void esk_words_spread(uint64_t word, uint64_t words[ESK_AROUND])
 {
 	for (int s = 0; s < ESK_AROUND; s++)

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-	TOGETHER = 16, /* blocks followed together: their nodes fill the lanes of a field */
+	TOGETHER = 64, /* blocks followed together: their nodes fill the lanes of a field */
 	UP = 3 - 1,    /* the slot of direction (1, 1, 0), along the z axis of space */
 	/* Between nodes of the columns that a scan looks at, and those columns. Of 2 it costs as much as the rest. */
 	SCAN_STRIDE = 4,
@@ -91,6 +91,46 @@ static eskel_status activate_both(tracer *t, uint32_t a, uint32_t b)
 	return status == ESKEL_OK ? activate(t, b >> ESK_PLACE_BITS, esk_lattice_bit(b)) : status;
 }
 
+/* Activates the neighbours of the other sign in the same block. */
+static eskel_status follow_cuts_within(tracer *t, uint32_t b)
+{
+	const uint64_t *words = t->trace->lattice.blocks[b].words;
+	const uint64_t active = words[ESK_ACTIVE], inside = words[ESK_INSIDE], outside = words[ESK_KNOWN] & ~inside;
+	return activate(
+		t, b, (esk_word_spread(active & inside) & outside) | (esk_word_spread(active & outside) & inside));
+}
+
+/* Follows the surface within each of some blocks, as far as it goes there. */
+static eskel_status follow_within(tracer *t, const uint32_t *some, size_t count)
+{
+	esk_lattice *l = &t->trace->lattice;
+	uint64_t asked[TOGETHER] = {0}; /* nodes whose neighbours in the block are */
+	size_t open[TOGETHER], left = count;
+	for (size_t i = 0; i < count; i++)
+		open[i] = i;
+	while (left > 0) {
+		size_t kept = 0;
+		for (size_t n = 0; n < left; n++) {
+			const size_t i = open[n];
+			const uint64_t active = l->blocks[some[i]].words[ESK_ACTIVE];
+			if (active == asked[i])
+				continue;
+			asked[i] = active;
+			open[kept++] = i;
+			if (!esk_lattice_ask(l, some[i], esk_word_spread(active)))
+				return no_memory(t);
+		}
+		left = kept;
+		esk_lattice_evaluate(l);
+		for (size_t n = 0; n < left; n++) {
+			const eskel_status status = follow_cuts_within(t, some[open[n]]);
+			if (status != ESKEL_OK)
+				return status;
+		}
+	}
+	return ESKEL_OK;
+}
+
 /* Nodes of a block that are followed, and by slot what they reach: from those inside, and from those outside. */
 typedef struct {
 	uint32_t block;
@@ -132,7 +172,7 @@ static eskel_status follow_cuts(tracer *t, const reach *r)
 static eskel_status follow_some(tracer *t, const uint32_t *some, size_t count)
 {
 	reach reaches[TOGETHER];
-	eskel_status status = ESKEL_OK;
+	eskel_status status = follow_within(t, some, count);
 	for (size_t i = 0; i < count && status == ESKEL_OK; i++)
 		status = ask_around(t, some[i], &reaches[i]);
 	if (status != ESKEL_OK)

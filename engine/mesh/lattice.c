@@ -130,7 +130,7 @@ static bool find_block(esk_lattice *l, const int32_t at[3], uint32_t *block)
 	return true;
 }
 
-static bool ask(esk_lattice *l, uint32_t block, uint64_t nodes)
+bool esk_lattice_ask(esk_lattice *l, uint32_t block, uint64_t nodes)
 {
 	uint64_t *words = l->blocks[block].words;
 	nodes &= ~words[ESK_KNOWN];
@@ -155,7 +155,7 @@ bool esk_lattice_node(esk_lattice *l, const int32_t at[3], uint32_t *node)
 		first[a] = at[a] & ~3;
 		place += (uint32_t)((at[a] & 3) * esk_layer_steps[a]);
 	}
-	if (!find_block(l, first, &block) || !ask(l, block, (uint64_t)1 << place))
+	if (!find_block(l, first, &block) || !esk_lattice_ask(l, block, (uint64_t)1 << place))
 		return false;
 	*node = block << ESK_PLACE_BITS | place;
 	return true;
@@ -186,7 +186,8 @@ bool esk_lattice_ask_around(esk_lattice *l, uint32_t block, const uint64_t reach
 	for (int s = 0; s < ESK_AROUND && good; s++) {
 		uint32_t to = l->blocks[block].around[s];
 		if (reached[s])
-			good = (to != ESK_NO_BLOCK || find_next_block(l, block, s, &to)) && ask(l, to, reached[s]);
+			good = (to != ESK_NO_BLOCK || find_next_block(l, block, s, &to)) &&
+			       esk_lattice_ask(l, to, reached[s]);
 	}
 	return good;
 }

@@ -73,6 +73,8 @@ void esk_lattice_clear(esk_lattice *lattice);
 
 /* The number of a node, whose value is asked for; false when memory ran out. */
 bool esk_lattice_node(esk_lattice *lattice, const int32_t at[3], uint32_t *node);
+/* Asks for nodes of a block; false when memory ran out. */
+bool esk_lattice_ask(esk_lattice *lattice, uint32_t block, uint64_t nodes);
 /* Asks for nodes of the blocks around one, by slot; false when memory ran out. */
 bool esk_lattice_ask_around(esk_lattice *lattice, uint32_t block, const uint64_t nodes[ESK_AROUND]);
 /* The values of all nodes asked for. */
