@@ -44,10 +44,10 @@ static inline void esk_words_gather(const uint64_t words[ESK_AROUND], bool back,
 /* A bit for each neighbour of a node of the block, after gathering both ways. */
 static inline unsigned esk_words_bits(const uint64_t near[ESK_AROUND], int place)
 {
-	unsigned bits = 0;
+	uint64_t bits = 0;
 	for (int s = 0; s < ESK_OWN; s++)
-		bits |= (unsigned)(near[s] >> place & 1) << s;
-	return bits;
+		bits |= (near[s] >> place & 1) << s;
+	return (unsigned)bits;
 }
 
 /* The other way round: adds the nodes of a block, and their neighbours forward, or back, to words by slot. */

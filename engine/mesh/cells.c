@@ -22,7 +22,7 @@ typedef struct {
 	const esk_star *star;
 	const float (*positions)[3];
 	esk_cells *cells;
-	crossing crossings[ESK_TETRAHEDRA][16][16]; /* by corners inside, and snapped */
+	crossing crossings[ESK_TETRAHEDRA][1 << 8]; /* by corners inside, and 16 times those snapped */
 } work;
 
 /* ---- the table */
@@ -85,17 +85,22 @@ static void make_crossings(work *w)
 			for (unsigned snapped = 0; snapped < 16; snapped++) {
 				if (!(inside & snapped))
 					make_crossing(&w->star->tetrahedra[t], inside, snapped,
-						&w->crossings[t][inside][snapped]);
+						&w->crossings[t][snapped << 4 | inside]);
 			}
 }
 
 /* ---- blocks */
 
-/* By slot: a block, those forward of it, and words about the corners of its cubes. */
+/* By slot: a block, those around it, and words about the corners of its cubes. */
 typedef struct {
-	const esk_block *blocks[ESK_AROUND];
+	esk_block *blocks[ESK_AROUND];
 	uint64_t inside[ESK_AROUND], snapped[ESK_AROUND], active[ESK_AROUND];
 } neighbourhood;
+
+/* Of a tetrahedron in each cube of a block: words of the corners inside, then of those snapped; and which has a polygon. */
+typedef struct {
+	uint64_t corners[8], crossed;
+} crossed_cubes;
 
 ESK_IN_LANES uint64_t two_of(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
 {
@@ -107,19 +112,20 @@ ESK_IN_LANES uint64_t two_of(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
  * All of its corners are active, for one has another sign, or all but one, where these are snapped and the one is inside as they
  * were: so the blocks of any two of them know of each other, and no word of another block is missed. The polygon has an area,
  * unless the corners outside are all snapped and more than one is inside: they shrink it to an edge or a vertex. */
-ESK_IN_LANES uint64_t find_crossed(const neighbourhood *n, const esk_tetrahedron *t)
+ESK_IN_LANES void find_crossed(const neighbourhood *n, const esk_tetrahedron *t, crossed_cubes *cubes)
 {
-	uint64_t in[4], active[4], smooth = 0; /* some corner is neither inside nor snapped */
+	uint64_t *in = cubes->corners, active[4], smooth = 0; /* some corner is neither inside nor snapped */
 	for (int c = 0; c < 4; c++) {
 		const int slot = esk_slot_of(t->corners[c], false);
 		in[c] = n->inside[slot];
+		in[4 + c] = n->snapped[slot];
 		active[c] = n->active[slot];
-		smooth |= ~(in[c] | n->snapped[slot]);
+		smooth |= ~(in[c] | in[4 + c]);
 	}
 	const uint64_t any = in[0] | in[1] | in[2] | in[3], all = in[0] & in[1] & in[2] & in[3];
 	const uint64_t three_active =
 		(active[0] & active[1] & (active[2] | active[3])) | (active[2] & active[3] & (active[0] | active[1]));
-	return any & ~all & three_active & (smooth | ~two_of(in[0], in[1], in[2], in[3]));
+	cubes->crossed = any & ~all & three_active & (smooth | ~two_of(in[0], in[1], in[2], in[3]));
 }
 
 ESK_IN_LANES uint32_t vertex_at(const esk_lattice *l, const neighbourhood *n, int place, corner c)
@@ -129,15 +135,12 @@ ESK_IN_LANES uint32_t vertex_at(const esk_lattice *l, const neighbourhood *n, in
 	return block->first[c.kind] + (uint32_t)__builtin_popcountll(block->vertices[c.kind] & before);
 }
 
-ESK_IN_LANES const crossing *find_crossing(const work *w, const neighbourhood *n, int t, int place)
+ESK_IN_LANES unsigned corners_at(const crossed_cubes *cubes, int place)
 {
-	unsigned inside = 0, snapped = 0;
-	for (int c = 0; c < 4; c++) {
-		const int slot = esk_slot_of(w->star->tetrahedra[t].corners[c], false);
-		inside |= (unsigned)(n->inside[slot] >> place & 1) << c;
-		snapped |= (unsigned)(n->snapped[slot] >> place & 1) << c;
-	}
-	return &w->crossings[t][inside][snapped];
+	uint64_t bits = 0;
+	for (int c = 0; c < 8; c++)
+		bits |= (cubes->corners[c] >> place & 1) << c;
+	return (unsigned)bits;
 }
 
 static double distance(const float a[3], const float b[3])
@@ -166,11 +169,11 @@ static void add_quadrangle(work *w, const uint32_t v[4])
 	add_triangle(w->cells, v[turn], v[turn + 2], v[(turn + 3) % 4]);
 }
 
-ESK_IN_LANES void add_polygons(work *w, const neighbourhood *n, int t, uint64_t crossed)
+ESK_IN_LANES void add_polygons(work *w, const neighbourhood *n, const crossing *crossings, const crossed_cubes *cubes)
 {
-	for (; crossed; crossed &= crossed - 1) {
-		const int place = __builtin_ctzll(crossed);
-		const crossing *x = find_crossing(w, n, t, place);
+	for (uint64_t rest = cubes->crossed; rest; rest &= rest - 1) {
+		const int place = __builtin_ctzll(rest);
+		const crossing *x = &crossings[corners_at(cubes, place)];
 		uint32_t v[4];
 		for (int c = 0; c < 3; c++)
 			v[c] = vertex_at(w->lattice, n, place, x->corners[c]);
@@ -196,12 +199,9 @@ static bool reserve(esk_cells *cells, size_t count)
 static bool find_neighbourhood(const esk_lattice *l, uint32_t b, neighbourhood *n)
 {
 	uint64_t any = 0;
-	for (int m = 0; m < 8; m++) {
-		const int slot = esk_slot_of(m, false);
-		const uint32_t next = l->blocks[b].around[slot];
-		n->blocks[slot] = &l->blocks[next == ESK_NO_BLOCK ? b : next];
-		any |= n->blocks[slot]->words[ESK_ACTIVE];
-	}
+	esk_lattice_around(l, b, n->blocks);
+	for (int m = 0; m < 8; m++)
+		any |= n->blocks[esk_slot_of(m, false)]->words[ESK_ACTIVE];
 	if (!any)
 		return false;
 	esk_lattice_gather(l, b, ESK_FILLED, false, n->inside);
@@ -213,18 +213,18 @@ static bool find_neighbourhood(const esk_lattice *l, uint32_t b, neighbourhood *
 ESK_EVERY_WIDTH static bool add_block(work *w, uint32_t b)
 {
 	neighbourhood n;
-	uint64_t crossed[ESK_TETRAHEDRA];
+	crossed_cubes cubes[ESK_TETRAHEDRA];
 	size_t count = 0;
 	if (!find_neighbourhood(w->lattice, b, &n))
 		return true;
 	for (int t = 0; t < ESK_TETRAHEDRA; t++) {
-		crossed[t] = find_crossed(&n, &w->star->tetrahedra[t]);
-		count += (size_t)__builtin_popcountll(crossed[t]);
+		find_crossed(&n, &w->star->tetrahedra[t], &cubes[t]);
+		count += (size_t)__builtin_popcountll(cubes[t].crossed);
 	}
 	if (!reserve(w->cells, 2 * count))
 		return false;
 	for (int t = 0; t < ESK_TETRAHEDRA; t++)
-		add_polygons(w, &n, t, crossed[t]);
+		add_polygons(w, &n, w->crossings[t], &cubes[t]);
 	return true;
 }
 

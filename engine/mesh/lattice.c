@@ -192,6 +192,14 @@ bool esk_lattice_ask_around(esk_lattice *l, uint32_t block, const uint64_t reach
 	return good;
 }
 
+void esk_lattice_around(const esk_lattice *l, uint32_t block, esk_block *around[ESK_AROUND])
+{
+	for (int s = 0; s < ESK_AROUND; s++) {
+		const uint32_t next = l->blocks[block].around[s];
+		around[s] = &l->blocks[next == ESK_NO_BLOCK ? block : next];
+	}
+}
+
 void esk_lattice_gather(const esk_lattice *l, uint32_t b, esk_word word, bool back, uint64_t near[ESK_AROUND])
 {
 	const esk_block *block = &l->blocks[b];
@@ -233,11 +241,11 @@ static void evaluate_block(esk_lattice *l, uint32_t block, batch *b)
 	words[ESK_KNOWN] |= rest;
 	words[ESK_ASKED] = 0;
 	for (; rest; rest &= rest - 1) {
-		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest);
+		const int place = __builtin_ctzll(rest);
 		if (b->count == BATCH)
 			evaluate_batch(l, b);
-		esk_lattice_find(l, node, b->points[b->count]);
-		b->nodes[b->count++] = node;
+		esk_lattice_find(l, &l->blocks[block], place, b->points[b->count]);
+		b->nodes[b->count++] = block << ESK_PLACE_BITS | (uint32_t)place;
 	}
 }
 

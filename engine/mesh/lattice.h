@@ -83,6 +83,9 @@ void esk_lattice_evaluate(esk_lattice *lattice);
 void esk_lattice_gather(
 	const esk_lattice *lattice, uint32_t block, esk_word word, bool back, uint64_t near[ESK_AROUND]);
 
+/* The blocks around one, by slot; itself where none is known. */
+void esk_lattice_around(const esk_lattice *lattice, uint32_t block, esk_block *around[ESK_AROUND]);
+
 void esk_lattice_nearest(const esk_lattice *lattice, const double position[3], int32_t at[3]);
 
 static inline esk_block *esk_lattice_block(const esk_lattice *lattice, uint32_t node)
@@ -119,12 +122,11 @@ static inline void esk_lattice_position(const esk_lattice *lattice, const int32_
 		position[a] = lattice->origin[a] + lattice->step_half * (sum - 2 * at[a]);
 }
 
-/* The position of a node, of the same bits as from its coordinates. */
-static inline void esk_lattice_find(const esk_lattice *lattice, uint32_t node, double position[3])
+/* The position of a place in a block, of the same bits as from coordinates. */
+static inline void esk_lattice_find(const esk_lattice *lattice, const esk_block *block, int place, double position[3])
 {
-	const double *first = esk_lattice_block(lattice, node)->ways, *way = lattice->ways[node & (ESK_PLACES - 1)];
 	for (int a = 0; a < 3; a++)
-		position[a] = lattice->origin[a] + lattice->step_half * (first[a] + way[a]);
+		position[a] = lattice->origin[a] + lattice->step_half * (block->ways[a] + lattice->ways[place][a]);
 }
 
 /* A node's neighbour in a slot, where one of their blocks has asked for the other. */

@@ -1,5 +1,7 @@
 #include "snapping.h"
 
+#include "lanes.h"
+
 #include <math.h>
 
 #define SHORT 1.7320508f /* sqrt(3) */
@@ -10,47 +12,50 @@
 #define NEAR_SHORT 0.41189f
 #define NEAR_LONG 0.24999f
 
-/* By direction: 1 over the length in step_half, and in parts of the edge. */
-static const float edge_slopes[ESK_DIRECTIONS] = {
-	1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG, 1 / SHORT};
+/* 1 over the length in step_half, by slot, and parts of the edge, by direction. */
+static const float edge_slopes[ESK_NEIGHBOURS] = {1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG,
+	1 / SHORT, 1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG, 1 / SHORT};
 static const float near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-/* The ends of the edge of a direction, cut from a node of a block on, that its cut is near to: marked, or told as a bit, if it is
- * that node. Values are as far from 0 as, to first order, the ends are from the cut. No branch, which no processor foresees. */
-static uint64_t snap_ends(const esk_lattice *l, uint32_t node, int direction)
+/* Of the edge of a direction that is cut from a place in a block on, marks the end elsewhere if the cut is near to it, and tells
+ * the one here as a bit. Values are as far from 0 as, to first order, the ends are from the cut. No branch, which no processor
+ * foresees. */
+ESK_IN_LANES uint64_t snap_ends(const esk_lattice *l, esk_block *const around[ESK_AROUND], int place, int direction)
 {
-	const uint32_t other = esk_lattice_next(l, node, direction);
-	const float value = fabsf(esk_lattice_value(l, node)), other_value = fabsf(esk_lattice_value(l, other));
-	const float near = near_parts[direction] * (value + other_value);
-	esk_lattice_block(l, other)->words[ESK_SNAPPED] |= (uint64_t)(other_value <= near)
-							   << (other & (ESK_PLACES - 1));
-	return (uint64_t)(value <= near) << (node & (ESK_PLACES - 1));
+	esk_block *next = around[l->next_slots[place][direction]];
+	const int next_place = l->next_places[place][direction];
+	const float value = fabsf(around[ESK_OWN]->values[place]), next_value = fabsf(next->values[next_place]);
+	const float near = near_parts[direction] * (value + next_value);
+	next->words[ESK_SNAPPED] |= (uint64_t)(next_value <= near) << next_place;
+	return (uint64_t)(value <= near) << place;
 }
 
-static void snap_block(const esk_lattice *l, uint32_t b)
+ESK_EVERY_WIDTH static void snap_block(const esk_lattice *l, uint32_t b)
 {
-	esk_block *block = &l->blocks[b];
+	esk_block *block = &l->blocks[b], *around[ESK_AROUND];
 	const uint64_t active = block->words[ESK_ACTIVE];
 	uint64_t inside[ESK_AROUND], snapped = 0;
 	if (!active)
 		return;
+	esk_lattice_around(l, b, around);
 	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
 	for (int d = 0; d < ESK_DIRECTIONS; d++)
 		for (uint64_t cut = active & (inside[ESK_OWN] ^ inside[d]); cut; cut &= cut - 1)
-			snapped |= snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
+			snapped |= snap_ends(l, around, __builtin_ctzll(cut), d);
 	block->words[ESK_SNAPPED] |= snapped;
 }
 
-int esk_snap_slot(const esk_lattice *l, uint32_t node, unsigned cut)
+int esk_snap_slot(const esk_lattice *l, esk_block *const around[ESK_AROUND], int place, unsigned cut)
 {
-	const float value = fabsf(esk_lattice_value(l, node));
+	const uint8_t *slots = l->next_slots[place], *places = l->next_places[place];
+	const float value = fabsf(around[ESK_OWN]->values[place]);
 	float most = 0;
 	int nearest = __builtin_ctz(cut);
 	for (; cut; cut &= cut - 1) {
 		const int slot = __builtin_ctz(cut);
-		const float change = value + fabsf(esk_lattice_value(l, esk_lattice_next(l, node, slot)));
-		const float slope = change * edge_slopes[slot % ESK_DIRECTIONS];
+		const float change = value + fabsf(around[slots[slot]]->values[places[slot]]);
+		const float slope = change * edge_slopes[slot];
 		nearest = slope > most ? slot : nearest;
 		most = slope > most ? slope : most;
 	}
@@ -130,7 +135,7 @@ static bool may_snap(rule_book *book, unsigned inside, unsigned snapped)
 }
 
 /* The suspects among the nodes of a block that break a rule. */
-static uint64_t find_breakers(const esk_lattice *l, rule_book *book, uint32_t b)
+ESK_EVERY_WIDTH static uint64_t find_breakers(const esk_lattice *l, rule_book *book, uint32_t b)
 {
 	const esk_block *block = &l->blocks[b];
 	uint64_t filled[ESK_AROUND], snapped[ESK_AROUND], breakers = 0;

@@ -78,32 +78,33 @@ static void place_roots(work *w)
 	w->count = 0;
 }
 
-/* The vertex on the edge from a node to the neighbour in a slot. Ends of cut edges are active, and so all of their neighbours
- * known. */
-static void add_root(work *w, uint32_t node, int slot)
+/* The vertex on the edge from a place in a block to the neighbour in a slot. Ends of cut edges are active, and so all of their
+ * neighbours known. */
+static void add_root(work *w, esk_block *const around[ESK_AROUND], int place, int slot)
 {
 	const esk_lattice *l = w->lattice;
-	const int opposite = slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS;
-	const uint32_t other = esk_lattice_next(l, node, slot);
-	const bool outside = !esk_lattice_has(l, node, ESK_INSIDE);
-	const double *way = w->ways[outside ? opposite : slot];
+	const int back = slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS;
+	const uint8_t *slots = l->next_slots[place], *places = l->next_places[place];
+	const esk_block *block = around[ESK_OWN], *next = around[slots[slot]];
+	const bool outside = !(block->words[ESK_INSIDE] >> place & 1);
+	const uint32_t next_node = (uint32_t)(next - l->blocks) << ESK_PLACE_BITS | places[slot];
 	esk_roots *r = &w->roots;
 	double position[3];
 	if (w->count == ESK_ROOTS_MOST)
 		place_roots(w);
 	const size_t i = w->count++;
-	esk_lattice_find(l, outside ? other : node, position);
+	esk_lattice_find(l, outside ? next : block, outside ? places[slot] : place, position);
 	for (int a = 0; a < 3; a++) {
 		r->inside[a][i] = position[a];
-		r->along[a][i] = way[a];
+		r->along[a][i] = w->ways[outside ? back : slot][a];
 	}
-	r->values[outside ? 3 : 0][i] = esk_lattice_value(l, esk_lattice_next(l, node, opposite));
-	r->values[outside ? 2 : 1][i] = esk_lattice_value(l, node);
-	r->values[outside ? 1 : 2][i] = esk_lattice_value(l, other);
-	r->values[outside ? 0 : 3][i] = esk_lattice_value(l, esk_lattice_next(l, other, slot));
+	r->values[outside ? 3 : 0][i] = around[slots[back]]->values[places[back]];
+	r->values[outside ? 2 : 1][i] = block->values[place];
+	r->values[outside ? 1 : 2][i] = next->values[places[slot]];
+	r->values[outside ? 0 : 3][i] = esk_lattice_value(l, esk_lattice_next(l, next_node, slot));
 }
 
-static void add_snapped_nodes(work *w, uint32_t block)
+ESK_EVERY_WIDTH static void add_snapped_nodes(work *w, esk_block *const around[ESK_AROUND], uint32_t block)
 {
 	const esk_lattice *l = w->lattice;
 	const uint64_t *words = l->blocks[block].words;
@@ -116,8 +117,7 @@ static void add_snapped_nodes(work *w, uint32_t block)
 		cut[s] ^= words[ESK_INSIDE];
 	for (uint64_t rest = words[ESK_SNAPPED]; rest; rest &= rest - 1) {
 		const int place = __builtin_ctzll(rest);
-		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)place;
-		add_root(w, node, esk_snap_slot(l, node, esk_words_bits(cut, place)));
+		add_root(w, around, place, esk_snap_slot(l, around, place, esk_words_bits(cut, place)));
 	}
 }
 
@@ -130,10 +130,14 @@ void esk_vertices_place(const esk_lattice *l, float (*positions)[3], float (*nor
 	w.normals = normals;
 	find_ways(l->step_half, w.ways);
 	for (uint32_t b = 0; b < l->block_count; b++) {
+		esk_block *around[ESK_AROUND];
+		if (!l->blocks[b].words[ESK_ACTIVE])
+			continue;
+		esk_lattice_around(l, b, around);
 		for (int d = 0; d < ESK_DIRECTIONS; d++)
 			for (uint64_t rest = l->blocks[b].vertices[d]; rest; rest &= rest - 1)
-				add_root(&w, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest), d);
-		add_snapped_nodes(&w, b);
+				add_root(&w, around, __builtin_ctzll(rest), d);
+		add_snapped_nodes(&w, around, b);
 	}
 	place_roots(&w);
 }
