@@ -44,10 +44,10 @@ static inline void esk_words_gather(const uint64_t words[ESK_AROUND], bool back,
 /* A bit for each neighbour of a node of the block, after gathering both ways. */
 static inline unsigned esk_words_bits(const uint64_t near[ESK_AROUND], int place)
 {
-	unsigned bits = 0;
+	uint64_t bits = 0;
 	for (int s = 0; s < ESK_OWN; s++)
-		bits |= (unsigned)(near[s] >> place & 1) << s;
-	return bits;
+		bits |= (near[s] >> place & 1) << s;
+	return (unsigned)bits;
 }
 
 /* The other way round: adds the nodes of a block, and their neighbours forward, or back, to words by slot. */
@@ -65,6 +65,19 @@ static inline void esk_words_spread_one_way(uint64_t word, bool back, uint64_t w
 	}
 	for (int m = 0; m < 8; m++)
 		words[esk_slot_of(m, back)] |= w[m];
+}
+
+/* Nodes of a block, and their neighbours in it. */
+static inline uint64_t esk_word_spread(uint64_t word)
+{
+	uint64_t forward = word, back = word;
+	for (int a = 0; a < 3; a++) {
+		const int step = esk_layer_steps[a];
+		const uint64_t first = esk_first_layers[a], last = first << 3 * step;
+		forward |= (forward & ~last) << step;
+		back |= (back & ~first) >> step;
+	}
+	return forward | back;
 }
 
 static inline void esk_words_spread(uint64_t word, uint64_t words[ESK_AROUND])

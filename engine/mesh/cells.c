@@ -1,139 +1,50 @@
-/* Vertices are numbered by block, direction of the edge, and place, those of snapped nodes last: a number is that of the first
- * one of its kind in the block, and the count of bits below its own. Polygons come from cubes with nodes inside and outside,
- * six tetrahedra each; where a corner of one is active, all of its corners are known. */
+/* For one of the six tetrahedra of a cube after the other, all cubes of a block at once: which of them the surface crosses is a
+ * word of bits. What is crossed has its polygon in a table, by which of its corners are inside, and which snapped. */
 #include "cells.h"
 
 #include "lanes.h"
 #include "memory.h"
-#include "snapping.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-/* Of a tetrahedron, by which of its corners are inside. */
+/* A corner of a polygon: the slot from a cube's first node to the node at which a vertex is numbered, and its kind. */
 typedef struct {
-	int count;           /* of corners of the polygon */
-	uint8_t edges[4][2]; /* that they lie on */
+	uint8_t slot, kind;
+} corner;
+
+typedef struct {
+	uint8_t count;
+	corner corners[4];
 } crossing;
 
 typedef struct {
-	esk_lattice *lattice;
+	const esk_lattice *lattice;
 	const esk_star *star;
-	crossing crossings[2][16]; /* of tetrahedra, and of reversed ones */
-	uint8_t crossed[256];      /* tetrahedra of a cube, a bit each, by which of its corners are inside */
+	const float (*positions)[3];
 	esk_cells *cells;
+	crossing crossings[ESK_TETRAHEDRA][1 << 8]; /* by corners inside, and 16 times those snapped */
 } work;
 
-enum { SNAPPED = ESK_DIRECTIONS }; /* the kind of vertex after those on edges by direction */
+/* ---- the table */
 
-static uint64_t vertices_of(const esk_block *block, int kind)
+/* The vertex between two corners of a cube, of which the second is outside. */
+static corner corner_between(unsigned in, unsigned out, bool snapped)
 {
-	return kind == SNAPPED ? block->words[ESK_SNAPPED] : block->cuts[kind];
-}
-
-/* Edges from active nodes on, from inside to outside, of which neither end is snapped. */
-static void find_cuts(const esk_lattice *l, uint32_t b)
-{
-	esk_block *block = &l->blocks[b];
-	uint64_t filled[ESK_AROUND], snapped[ESK_AROUND];
-	memset(block->cuts, 0, sizeof block->cuts);
-	if (!block->words[ESK_ACTIVE])
-		return;
-	esk_lattice_gather(l, b, ESK_FILLED, false, filled);
-	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
-	for (int d = 0; d < ESK_DIRECTIONS; d++)
-		block->cuts[d] =
-			block->words[ESK_ACTIVE] & (filled[ESK_OWN] ^ filled[d]) & ~(snapped[ESK_OWN] | snapped[d]);
-}
-
-static void add_edge(work *w, uint32_t node, uint32_t other)
-{
-	const bool inside = esk_lattice_has(w->lattice, node, ESK_INSIDE);
-	w->cells->edges[w->cells->edge_count++] = inside ? (esk_edge){node, other} : (esk_edge){other, node};
-}
-
-static void add_cut_edges(work *w, uint32_t block, int direction)
-{
-	const esk_lattice *l = w->lattice;
-	for (uint64_t rest = l->blocks[block].cuts[direction]; rest; rest &= rest - 1) {
-		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(rest);
-		add_edge(w, node, esk_lattice_next(l, node, direction));
-	}
-}
-
-static void add_snapped_edges(work *w, uint32_t block)
-{
-	const esk_lattice *l = w->lattice;
-	const uint64_t *words = l->blocks[block].words;
-	uint64_t cut[ESK_AROUND];
-	if (!words[ESK_SNAPPED])
-		return;
-	esk_lattice_gather(l, block, ESK_INSIDE, false, cut);
-	esk_lattice_gather(l, block, ESK_INSIDE, true, cut);
-	for (int s = 0; s < ESK_NEIGHBOURS; s++)
-		cut[s] ^= words[ESK_INSIDE];
-	for (uint64_t rest = words[ESK_SNAPPED]; rest; rest &= rest - 1) {
-		const int place = __builtin_ctzll(rest);
-		const uint32_t node = block << ESK_PLACE_BITS | (uint32_t)place;
-		add_edge(w, node, esk_snap_other(l, node, esk_words_bits(cut, place)));
-	}
-}
-
-static bool make_vertices(work *w)
-{
-	const esk_lattice *l = w->lattice;
-	size_t count = 0;
-	for (size_t b = 0; b < l->block_count; b++) {
-		find_cuts(l, (uint32_t)b);
-		for (int kind = 0; kind <= SNAPPED; kind++) {
-			l->blocks[b].first[kind] = (uint32_t)count;
-			count += (size_t)__builtin_popcountll(vertices_of(&l->blocks[b], kind));
-		}
-	}
-	w->cells->edges = esk_memory_array(count, sizeof *w->cells->edges);
-	for (size_t b = 0; b < l->block_count && w->cells->edges; b++) {
-		for (int d = 0; d < ESK_DIRECTIONS; d++)
-			add_cut_edges(w, (uint32_t)b, d);
-		add_snapped_edges(w, (uint32_t)b);
-	}
-	return w->cells->edges;
-}
-
-/* ---- polygons */
-
-/* A cube of eight nodes, by their masks. */
-typedef struct {
-	uint32_t first;
-	unsigned inside, snapped, active; /* a bit each */
-} cube;
-
-ESK_IN_LANES uint32_t vertex_at(const esk_lattice *l, uint32_t node, int kind)
-{
-	const esk_block *block = esk_lattice_block(l, node);
-	const uint64_t before = vertices_of(block, kind) & (esk_lattice_bit(node) - 1);
-	return block->first[kind] + (uint32_t)__builtin_popcountll(before);
-}
-
-/* The vertex between two corners, of which the second is outside. */
-ESK_IN_LANES uint32_t vertex_between(const esk_lattice *l, const cube *c, unsigned in, unsigned out)
-{
-	if (c->snapped >> out & 1)
-		return vertex_at(l, esk_lattice_next(l, c->first, esk_slot_of((int)out, false)), SNAPPED);
 	const unsigned lower = in < out ? in : out, upper = in < out ? out : in;
-	const uint32_t node = esk_lattice_next(l, c->first, esk_slot_of((int)lower, false));
-	return vertex_at(l, node, (int)(upper & ~lower) - 1);
+	if (snapped)
+		return (corner){(uint8_t)esk_slot_of((int)out, false), ESK_DIRECTIONS};
+	return (corner){(uint8_t)esk_slot_of((int)lower, false), (uint8_t)((upper & ~lower) - 1)};
 }
 
-/* Corners that are the same vertex, one after another, count once. There is room. */
-ESK_IN_LANES void add_polygon(work *w, const uint32_t *corners, int count)
+/* Corners that are the same vertex, one after another, count once. */
+static void keep_different(const corner *corners, int count, crossing *made)
 {
-	esk_polygon p = {{ESK_NO_VERTEX, ESK_NO_VERTEX, ESK_NO_VERTEX, ESK_NO_VERTEX}};
-	int kept = 0;
-	for (int c = 0; c < count; c++)
-		if (corners[c] != corners[c + 1 < count ? c + 1 : 0])
-			p.corners[kept++] = corners[c];
-	w->cells->polygons[w->cells->polygon_count++] = p;
-	w->cells->triangle_count += (size_t)kept - 2;
+	made->count = 0;
+	for (int c = 0; c < count; c++) {
+		const corner *next = &corners[c + 1 < count ? c + 1 : 0];
+		if (corners[c].slot != next->slot || corners[c].kind != next->kind)
+			made->corners[made->count++] = corners[c];
+	}
 }
 
 /* Which edges of a tetrahedron with a set of corners inside its polygon has its own corners on: from a corner inside to one
@@ -141,13 +52,13 @@ ESK_IN_LANES void add_polygon(work *w, const uint32_t *corners, int count)
  *
  * Of corners a, b, c, d of positive volume, (b - a) x (c - a) points to d. So with a alone inside, its cuts to b, c, d run
  * counterclockwise; with d alone outside, the cuts from a, b, c to it do; with a and b inside, ac, ad, bd, bc. */
-static void make_crossing(unsigned inside_set, bool reversed, crossing *made)
+static void make_crossing(const esk_tetrahedron *t, unsigned inside_set, unsigned snapped_set, crossing *made)
 {
 	static const uint8_t edges[4][4][2] = {
 		{{0}}, {{0, 1}, {0, 2}, {0, 3}}, {{0, 2}, {0, 3}, {1, 3}, {1, 2}}, {{0, 3}, {1, 3}, {2, 3}}};
 	uint8_t order[4], others[4]; /* corners inside first */
 	int inside = 0, outside = 0;
-	bool odd = reversed;
+	bool odd = t->reversed;
 	for (uint8_t c = 0; c < 4; c++)
 		if (inside_set >> c & 1) {
 			order[inside++] = c;
@@ -157,117 +68,180 @@ static void make_crossing(unsigned inside_set, bool reversed, crossing *made)
 		}
 	for (int c = 0; c < outside; c++)
 		order[inside + c] = others[c];
-	made->count = inside % 4 == 0 ? 0 : inside == 2 ? 4 : 3;
-	for (int e = 0; e < made->count; e++) {
-		const uint8_t *ends = edges[inside][odd ? made->count - 1 - e : e];
-		made->edges[e][0] = order[ends[0]];
-		made->edges[e][1] = order[ends[1]];
+	corner corners[4];
+	const int count = inside % 4 == 0 ? 0 : inside == 2 ? 4 : 3;
+	for (int e = 0; e < count; e++) {
+		const uint8_t *ends = edges[inside][odd ? count - 1 - e : e];
+		const uint8_t in = order[ends[0]], out = order[ends[1]];
+		corners[e] = corner_between(t->corners[in], t->corners[out], snapped_set >> out & 1);
 	}
+	keep_different(corners, count, made);
 }
 
-/* Not where the corners outside are all snapped and more than one is inside: they shrink the polygon to an edge or a vertex.
- * Sets are of at most four corners. */
-ESK_IN_LANES bool has_area(unsigned inside, unsigned outside, unsigned snapped)
+static void make_crossings(work *w)
 {
-	const bool is_one_inside = !(inside & (inside - 1));
-	return is_one_inside || outside != snapped;
+	for (int t = 0; t < ESK_TETRAHEDRA; t++)
+		for (unsigned inside = 0; inside < 16; inside++)
+			for (unsigned snapped = 0; snapped < 16; snapped++) {
+				if (!(inside & snapped))
+					make_crossing(&w->star->tetrahedra[t], inside, snapped,
+						&w->crossings[t][snapped << 4 | inside]);
+			}
 }
 
-ESK_IN_LANES void add_tetrahedron(work *w, const cube *c, const esk_tetrahedron *t)
-{
-	unsigned inside = 0;
-	for (int i = 0; i < 4; i++)
-		inside |= (c->inside >> t->corners[i] & 1) << i;
-	const crossing *x = &w->crossings[t->reversed][inside];
-	uint32_t corners[4];
-	for (int e = 0; e < x->count; e++)
-		corners[e] = vertex_between(w->lattice, c, t->corners[x->edges[e][0]], t->corners[x->edges[e][1]]);
-	add_polygon(w, corners, x->count);
-}
+/* ---- blocks */
 
-ESK_IN_LANES unsigned corner_bits(const uint64_t near[ESK_AROUND], int place)
-{
-	unsigned bits = 0;
-	for (int m = 0; m < 8; m++)
-		bits |= (unsigned)(near[esk_slot_of(m, false)] >> place & 1) << m;
-	return bits;
-}
-
-/* All corners of a tetrahedron with an active one are known. */
-ESK_IN_LANES void add_cube(work *w, const cube *c)
-{
-	for (unsigned rest = w->crossed[c->inside]; rest; rest &= rest - 1) {
-		const esk_tetrahedron *t = &w->star->tetrahedra[__builtin_ctz(rest)];
-		const unsigned all = t->set;
-		if (c->active & all && has_area(c->inside & all, ~c->inside & all, c->snapped & all))
-			add_tetrahedron(w, c, t);
-	}
-}
-
-/* The cubes from nodes of a block on that the surface may cross. */
-ESK_IN_LANES uint64_t find_cubes(const uint64_t inside[ESK_AROUND], const uint64_t active[ESK_AROUND])
-{
-	uint64_t any_active = 0, any_inside = 0, all_inside = UINT64_MAX;
-	for (int m = 0; m < 8; m++) {
-		const int slot = esk_slot_of(m, false);
-		any_active |= active[slot];
-		any_inside |= inside[slot];
-		all_inside &= inside[slot];
-	}
-	return any_active & any_inside & ~all_inside;
-}
-
-ESK_EVERY_WIDTH static bool add_cubes(work *w, uint32_t b)
-{
-	const esk_lattice *l = w->lattice;
+/* By slot: a block, those around it, and words about the corners of its cubes. */
+typedef struct {
+	esk_block *blocks[ESK_AROUND];
 	uint64_t inside[ESK_AROUND], snapped[ESK_AROUND], active[ESK_AROUND];
-	const size_t most = w->cells->polygon_count + ESK_TETRAHEDRA * ESK_PLACES;
-	void *polygons = w->cells->polygons;
-	if (!esk_memory_reserve(&polygons, &w->cells->polygon_capacity, most, sizeof *w->cells->polygons))
-		return false;
-	w->cells->polygons = polygons;
-	esk_lattice_gather(l, b, ESK_ACTIVE, false, active);
-	esk_lattice_gather(l, b, ESK_FILLED, false, inside);
-	uint64_t cubes = find_cubes(inside, active);
-	if (!cubes)
-		return true;
-	esk_lattice_gather(l, b, ESK_SNAPPED, false, snapped);
-	for (; cubes; cubes &= cubes - 1) {
-		const int place = __builtin_ctzll(cubes);
-		const cube c = {b << ESK_PLACE_BITS | (uint32_t)place, corner_bits(inside, place),
-			corner_bits(snapped, place), corner_bits(active, place)};
-		add_cube(w, &c);
+} neighbourhood;
+
+/* Of a tetrahedron in each cube of a block: words of the corners inside, then of those snapped; and which has a polygon. */
+typedef struct {
+	uint64_t corners[8], crossed;
+} crossed_cubes;
+
+ESK_IN_LANES uint64_t two_of(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
+{
+	return (a & b) | (c & d) | ((a | b) & (c | d));
+}
+
+/* The cubes of a block of which a tetrahedron has a polygon.
+ *
+ * All of its corners are active, for one has another sign, or all but one, where these are snapped and the one is inside as they
+ * were: so the blocks of any two of them know of each other, and no word of another block is missed. The polygon has an area,
+ * unless the corners outside are all snapped and more than one is inside: they shrink it to an edge or a vertex. */
+ESK_IN_LANES void find_crossed(const neighbourhood *n, const esk_tetrahedron *t, crossed_cubes *cubes)
+{
+	uint64_t *in = cubes->corners, active[4], smooth = 0; /* some corner is neither inside nor snapped */
+	for (int c = 0; c < 4; c++) {
+		const int slot = esk_slot_of(t->corners[c], false);
+		in[c] = n->inside[slot];
+		in[4 + c] = n->snapped[slot];
+		active[c] = n->active[slot];
+		smooth |= ~(in[c] | in[4 + c]);
 	}
+	const uint64_t any = in[0] | in[1] | in[2] | in[3], all = in[0] & in[1] & in[2] & in[3];
+	const uint64_t three_active =
+		(active[0] & active[1] & (active[2] | active[3])) | (active[2] & active[3] & (active[0] | active[1]));
+	cubes->crossed = any & ~all & three_active & (smooth | ~two_of(in[0], in[1], in[2], in[3]));
+}
+
+ESK_IN_LANES uint32_t vertex_at(const esk_lattice *l, const neighbourhood *n, int place, corner c)
+{
+	const esk_block *block = n->blocks[l->next_slots[place][c.slot]];
+	const uint64_t before = ((uint64_t)1 << l->next_places[place][c.slot]) - 1;
+	return block->first[c.kind] + (uint32_t)__builtin_popcountll(block->vertices[c.kind] & before);
+}
+
+ESK_IN_LANES unsigned corners_at(const crossed_cubes *cubes, int place)
+{
+	uint64_t bits = 0;
+	for (int c = 0; c < 8; c++)
+		bits |= (cubes->corners[c] >> place & 1) << c;
+	return (unsigned)bits;
+}
+
+static double distance(const float a[3], const float b[3])
+{
+	double square = 0;
+	for (int i = 0; i < 3; i++) {
+		const double d = (double)a[i] - b[i];
+		square += d * d;
+	}
+	return square;
+}
+
+static void add_triangle(esk_cells *cells, uint32_t a, uint32_t b, uint32_t c)
+{
+	uint32_t *triangle = cells->triangles[cells->count++];
+	triangle[0] = a;
+	triangle[1] = b;
+	triangle[2] = c;
+}
+
+static void add_quadrangle(work *w, const uint32_t v[4])
+{
+	const float(*p)[3] = w->positions;
+	const int turn = distance(p[v[1]], p[v[3]]) < distance(p[v[0]], p[v[2]]);
+	add_triangle(w->cells, v[turn], v[turn + 1], v[turn + 2]);
+	add_triangle(w->cells, v[turn], v[turn + 2], v[(turn + 3) % 4]);
+}
+
+ESK_IN_LANES void add_polygons(work *w, const neighbourhood *n, const crossing *crossings, const crossed_cubes *cubes)
+{
+	for (uint64_t rest = cubes->crossed; rest; rest &= rest - 1) {
+		const int place = __builtin_ctzll(rest);
+		const crossing *x = &crossings[corners_at(cubes, place)];
+		uint32_t v[4];
+		for (int c = 0; c < 3; c++)
+			v[c] = vertex_at(w->lattice, n, place, x->corners[c]);
+		if (x->count == 3) {
+			add_triangle(w->cells, v[0], v[1], v[2]);
+			continue;
+		}
+		v[3] = vertex_at(w->lattice, n, place, x->corners[3]);
+		add_quadrangle(w, v);
+	}
+}
+
+static bool reserve(esk_cells *cells, size_t count)
+{
+	void *triangles = cells->triangles;
+	const bool good =
+		esk_memory_reserve(&triangles, &cells->capacity, cells->count + count, sizeof *cells->triangles);
+	cells->triangles = triangles;
+	return good;
+}
+
+/* Whether a corner of a cube of the block is active. */
+static bool find_neighbourhood(const esk_lattice *l, uint32_t b, neighbourhood *n)
+{
+	uint64_t any = 0;
+	esk_lattice_around(l, b, n->blocks);
+	for (int m = 0; m < 8; m++)
+		any |= n->blocks[esk_slot_of(m, false)]->words[ESK_ACTIVE];
+	if (!any)
+		return false;
+	esk_lattice_gather(l, b, ESK_FILLED, false, n->inside);
+	esk_lattice_gather(l, b, ESK_SNAPPED, false, n->snapped);
+	esk_lattice_gather(l, b, ESK_ACTIVE, false, n->active);
 	return true;
 }
 
-static unsigned find_crossed(const esk_star *star, unsigned inside)
+ESK_EVERY_WIDTH static bool add_block(work *w, uint32_t b)
 {
-	unsigned crossed = 0;
+	neighbourhood n;
+	crossed_cubes cubes[ESK_TETRAHEDRA];
+	size_t count = 0;
+	if (!find_neighbourhood(w->lattice, b, &n))
+		return true;
 	for (int t = 0; t < ESK_TETRAHEDRA; t++) {
-		const unsigned all = star->tetrahedra[t].set;
-		crossed |= (unsigned)((inside & all) && (inside & all) != all) << t;
+		find_crossed(&n, &w->star->tetrahedra[t], &cubes[t]);
+		count += (size_t)__builtin_popcountll(cubes[t].crossed);
 	}
-	return crossed;
+	if (!reserve(w->cells, 2 * count))
+		return false;
+	for (int t = 0; t < ESK_TETRAHEDRA; t++)
+		add_polygons(w, &n, w->crossings[t], &cubes[t]);
+	return true;
 }
 
-bool esk_cells_make(esk_lattice *lattice, const esk_star *star, esk_cells *cells)
+bool esk_cells_make(const esk_lattice *lattice, const esk_star *star, size_t vertex_count, const float (*positions)[3],
+	esk_cells *cells)
 {
-	work w = {.lattice = lattice, .star = star, .cells = cells};
-	for (unsigned inside = 0; inside < 16; inside++)
-		for (int reversed = 0; reversed < 2; reversed++)
-			make_crossing(inside, reversed, &w.crossings[reversed][inside]);
-	for (unsigned inside = 0; inside < 256; inside++)
-		w.crossed[inside] = (uint8_t)find_crossed(star, inside);
-	bool good = make_vertices(&w);
+	work w = {.lattice = lattice, .star = star, .positions = positions, .cells = cells};
+	make_crossings(&w);
+	bool good = reserve(
+		cells, 2 * vertex_count); /* Euler: 2 more, or less by 2 for each component or more for each handle */
 	for (size_t b = 0; b < lattice->block_count && good; b++)
-		good = add_cubes(&w, (uint32_t)b);
+		good = add_block(&w, (uint32_t)b);
 	return good;
 }
 
 void esk_cells_clear(esk_cells *cells)
 {
-	free(cells->edges);
-	free(cells->polygons);
+	free(cells->triangles);
 	*cells = (esk_cells){0};
 }

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-	TOGETHER = 16, /* blocks followed together: their nodes fill the lanes of a field */
+	TOGETHER = 64, /* blocks followed together: their nodes fill the lanes of a field */
 	UP = 3 - 1,    /* the slot of direction (1, 1, 0), along the z axis of space */
 	/* Between nodes of the columns that a scan looks at, and those columns. Of 2 it costs as much as the rest. */
 	SCAN_STRIDE = 4,
@@ -68,8 +68,6 @@ static eskel_status activate(tracer *t, uint32_t block, uint64_t nodes)
 	nodes &= ~words[ESK_ACTIVE];
 	if (!nodes)
 		return ESKEL_OK;
-	if (leaves_box(t, block, nodes))
-		return esk_error_set(t->error, ESKEL_TOO_LARGE, "the surface leaves its box");
 	t->trace->count += (size_t)__builtin_popcountll(nodes);
 	if (t->trace->count > t->most)
 		return ESKEL_TOO_LARGE;
@@ -93,50 +91,95 @@ static eskel_status activate_both(tracer *t, uint32_t a, uint32_t b)
 	return status == ESKEL_OK ? activate(t, b >> ESK_PLACE_BITS, esk_lattice_bit(b)) : status;
 }
 
-static bool ask_around(tracer *t, uint32_t block, uint64_t nodes)
+/* Activates the neighbours of the other sign in the same block. */
+static eskel_status follow_cuts_within(tracer *t, uint32_t b)
 {
-	uint64_t reached[ESK_AROUND];
-	bool good = true;
-	esk_words_spread(nodes, reached);
-	for (int s = 0; s < ESK_AROUND && good; s++)
-		good = !reached[s] || esk_lattice_ask(&t->trace->lattice, block, s, reached[s]);
-	return good;
+	const uint64_t *words = t->trace->lattice.blocks[b].words;
+	const uint64_t active = words[ESK_ACTIVE], inside = words[ESK_INSIDE], outside = words[ESK_KNOWN] & ~inside;
+	return activate(
+		t, b, (esk_word_spread(active & inside) & outside) | (esk_word_spread(active & outside) & inside));
+}
+
+/* Follows the surface within each of some blocks, as far as it goes there. */
+static eskel_status follow_within(tracer *t, const uint32_t *some, size_t count)
+{
+	esk_lattice *l = &t->trace->lattice;
+	uint64_t asked[TOGETHER] = {0}; /* nodes whose neighbours in the block are */
+	size_t open[TOGETHER], left = count;
+	for (size_t i = 0; i < count; i++)
+		open[i] = i;
+	while (left > 0) {
+		size_t kept = 0;
+		for (size_t n = 0; n < left; n++) {
+			const size_t i = open[n];
+			const uint64_t active = l->blocks[some[i]].words[ESK_ACTIVE];
+			if (active == asked[i])
+				continue;
+			asked[i] = active;
+			open[kept++] = i;
+			if (!esk_lattice_ask(l, some[i], esk_word_spread(active)))
+				return no_memory(t);
+		}
+		left = kept;
+		esk_lattice_evaluate(l);
+		for (size_t n = 0; n < left; n++) {
+			const eskel_status status = follow_cuts_within(t, some[open[n]]);
+			if (status != ESKEL_OK)
+				return status;
+		}
+	}
+	return ESKEL_OK;
+}
+
+/* Nodes of a block that are followed, and by slot what they reach: from those inside, and from those outside. */
+typedef struct {
+	uint32_t block;
+	uint64_t from_inside[ESK_AROUND], from_outside[ESK_AROUND];
+} reach;
+
+/* The nodes of a block that are active and not followed; their neighbours are asked for. */
+static eskel_status ask_around(tracer *t, uint32_t b, reach *r)
+{
+	esk_lattice *l = &t->trace->lattice;
+	uint64_t *words = l->blocks[b].words, reached[ESK_AROUND];
+	const uint64_t fresh = words[ESK_ACTIVE] & ~words[ESK_FOLLOWED];
+	words[ESK_FOLLOWED] = words[ESK_ACTIVE];
+	if (leaves_box(t, b, fresh))
+		return esk_error_set(t->error, ESKEL_TOO_LARGE, "the surface leaves its box");
+	r->block = b;
+	esk_words_spread(fresh & words[ESK_INSIDE], r->from_inside);
+	esk_words_spread(fresh & ~words[ESK_INSIDE], r->from_outside);
+	for (int s = 0; s < ESK_AROUND; s++)
+		reached[s] = r->from_inside[s] | r->from_outside[s];
+	return esk_lattice_ask_around(l, b, reached) ? ESKEL_OK : no_memory(t);
 }
 
 /* Activates the neighbours of the other sign. */
-static eskel_status follow_cuts(tracer *t, uint32_t block, uint64_t nodes)
+static eskel_status follow_cuts(tracer *t, const reach *r)
 {
 	const esk_lattice *l = &t->trace->lattice;
-	const uint64_t inside = l->blocks[block].words[ESK_INSIDE];
-	uint64_t from_inside[ESK_AROUND], from_outside[ESK_AROUND];
-	esk_words_spread(nodes & inside, from_inside);
-	esk_words_spread(nodes & ~inside, from_outside);
 	eskel_status status = ESKEL_OK;
 	for (int s = 0; s < ESK_AROUND && status == ESKEL_OK; s++) {
-		if (!(from_inside[s] | from_outside[s]))
+		if (!(r->from_inside[s] | r->from_outside[s]))
 			continue;
-		const uint32_t other = l->blocks[block].around[s];
-		const uint64_t other_inside = l->blocks[other].words[ESK_INSIDE];
-		status = activate(t, other, (from_inside[s] & ~other_inside) | (from_outside[s] & other_inside));
+		const uint32_t other = l->blocks[r->block].around[s];
+		const uint64_t inside = l->blocks[other].words[ESK_INSIDE];
+		status = activate(t, other, (r->from_inside[s] & ~inside) | (r->from_outside[s] & inside));
 	}
 	return status;
 }
 
-/* Of some blocks, the nodes that are active and not followed. */
 static eskel_status follow_some(tracer *t, const uint32_t *some, size_t count)
 {
-	uint64_t fresh[TOGETHER];
-	for (size_t i = 0; i < count; i++) {
-		uint64_t *words = t->trace->lattice.blocks[some[i]].words;
-		fresh[i] = words[ESK_ACTIVE] & ~words[ESK_FOLLOWED];
-		words[ESK_FOLLOWED] = words[ESK_ACTIVE];
-		if (!ask_around(t, some[i], fresh[i]))
-			return no_memory(t);
-	}
-	esk_lattice_evaluate(&t->trace->lattice);
-	eskel_status status = ESKEL_OK;
+	reach reaches[TOGETHER];
+	eskel_status status = follow_within(t, some, count);
 	for (size_t i = 0; i < count && status == ESKEL_OK; i++)
-		status = follow_cuts(t, some[i], fresh[i]);
+		status = ask_around(t, some[i], &reaches[i]);
+	if (status != ESKEL_OK)
+		return status;
+	esk_lattice_evaluate(&t->trace->lattice);
+	for (size_t i = 0; i < count && status == ESKEL_OK; i++)
+		status = follow_cuts(t, &reaches[i]);
 	return status;
 }
 
@@ -216,7 +259,11 @@ static eskel_status meet_seed(tracer *t, const double seed[3], uint32_t *nodes)
 			return esk_error_set(t->error, ESKEL_INVALID, "a seed lies at %g, expected %g to %g", seed[a],
 				t->options->least[a], t->options->greatest[a]);
 	esk_lattice_nearest(lattice, seed, at);
-	if (!esk_lattice_node(lattice, at, &node) || !ask_around(t, node >> ESK_PLACE_BITS, esk_lattice_bit(node)))
+	uint64_t reached[ESK_AROUND];
+	if (!esk_lattice_node(lattice, at, &node))
+		return no_memory(t);
+	esk_words_spread(esk_lattice_bit(node), reached);
+	if (!esk_lattice_ask_around(lattice, node >> ESK_PLACE_BITS, reached))
 		return no_memory(t);
 	esk_lattice_evaluate(lattice);
 	eskel_status status = ESKEL_OK;

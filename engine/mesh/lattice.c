@@ -11,6 +11,10 @@ enum {
 	KEY_BITS = 21,
 	BATCH = 256,           /* points of a call: they and their values fit into the nearest cache */
 	MOST_BLOCKS = 1 << 26, /* numbers of nodes have 32 bits */
+	/* Room made at once for the blocks of some 200,000 triangles: where nothing is written it costs no memory, but to grow costs
+	 * a copy. */
+	FIRST_BLOCKS = 1 << 14,
+	FIRST_TABLE = 1 << 12,
 };
 
 /* Where a node lies from a block's first one. */
@@ -18,6 +22,13 @@ static void spread_place(unsigned place, int32_t from[3])
 {
 	for (int a = 0; a < 3; a++)
 		from[a] = (int32_t)(place / (unsigned)esk_layer_steps[a] & 3);
+}
+
+/* In step_half, from the origin to a node. */
+static void find_ways(const int32_t at[3], double ways[3])
+{
+	for (int a = 0; a < 3; a++)
+		ways[a] = at[0] + at[1] + at[2] - 2 * at[a];
 }
 
 static void find_next(esk_lattice *l, unsigned place, int slot)
@@ -39,6 +50,9 @@ void esk_lattice_start(esk_lattice *l, const esk_field *field, const double orig
 {
 	*l = (esk_lattice){.origin = {origin[0], origin[1], origin[2]}, .step_half = step_half, .field = field};
 	for (unsigned place = 0; place < ESK_PLACES; place++) {
+		int32_t from[3];
+		spread_place(place, from);
+		find_ways(from, l->ways[place]);
 		for (int slot = 0; slot < ESK_NEIGHBOURS; slot++)
 			find_next(l, place, slot);
 		l->next_slots[place][ESK_OWN] = ESK_OWN;
@@ -73,7 +87,7 @@ static bool reserve_table(esk_lattice *l)
 {
 	if (2 * (l->block_count + 1) <= l->table_capacity)
 		return true;
-	const size_t capacity = l->table_capacity ? 2 * l->table_capacity : 256;
+	const size_t capacity = l->table_capacity ? 2 * l->table_capacity : FIRST_TABLE;
 	uint32_t *table = esk_memory_zeroed_array(capacity, sizeof *table);
 	if (!table)
 		return false;
@@ -85,6 +99,16 @@ static bool reserve_table(esk_lattice *l)
 	return true;
 }
 
+static bool reserve_block(esk_lattice *l)
+{
+	void *blocks = l->blocks;
+	const size_t needed = l->block_count < FIRST_BLOCKS ? FIRST_BLOCKS : l->block_count + 1;
+	if (needed > MOST_BLOCKS || !esk_memory_reserve(&blocks, &l->block_capacity, needed, sizeof *l->blocks))
+		return false;
+	l->blocks = blocks;
+	return true;
+}
+
 /* The block whose first node is at. */
 static bool find_block(esk_lattice *l, const int32_t at[3], uint32_t *block)
 {
@@ -92,15 +116,13 @@ static bool find_block(esk_lattice *l, const int32_t at[3], uint32_t *block)
 		return false;
 	uint32_t *entry = &l->table[place_of(l, at)];
 	if (!*entry) {
-		void *blocks = l->blocks;
-		if (l->block_count == MOST_BLOCKS ||
-			!esk_memory_reserve(&blocks, &l->block_capacity, l->block_count + 1, sizeof *l->blocks))
+		if (!reserve_block(l))
 			return false;
-		l->blocks = blocks;
 		esk_block *made = &l->blocks[l->block_count];
-		memset(made, 0, offsetof(esk_block, cuts));
+		memset(made, 0, offsetof(esk_block, vertices));
 		memset(made->around, 0xff, sizeof made->around); /* ESK_NO_BLOCK */
 		memcpy(made->at, at, sizeof made->at);
+		find_ways(at, made->ways);
 		made->around[ESK_OWN] = (uint32_t)l->block_count;
 		*entry = (uint32_t)++l->block_count;
 	}
@@ -108,11 +130,13 @@ static bool find_block(esk_lattice *l, const int32_t at[3], uint32_t *block)
 	return true;
 }
 
-static bool ask(esk_lattice *l, uint32_t block, uint64_t nodes)
+bool esk_lattice_ask(esk_lattice *l, uint32_t block, uint64_t nodes)
 {
 	uint64_t *words = l->blocks[block].words;
 	nodes &= ~words[ESK_KNOWN];
-	if (nodes && !words[ESK_ASKED]) {
+	if (!nodes)
+		return true;
+	if (!words[ESK_ASKED]) {
 		void *asked = l->asked;
 		if (!esk_memory_reserve(&asked, &l->asked_capacity, l->asked_count + 1, sizeof *l->asked))
 			return false;
@@ -131,7 +155,7 @@ bool esk_lattice_node(esk_lattice *l, const int32_t at[3], uint32_t *node)
 		first[a] = at[a] & ~3;
 		place += (uint32_t)((at[a] & 3) * esk_layer_steps[a]);
 	}
-	if (!find_block(l, first, &block) || !ask(l, block, (uint64_t)1 << place))
+	if (!find_block(l, first, &block) || !esk_lattice_ask(l, block, (uint64_t)1 << place))
 		return false;
 	*node = block << ESK_PLACE_BITS | place;
 	return true;
@@ -144,31 +168,36 @@ static void find_corner(const esk_block *block, int slot, int32_t at[3])
 		at[a] = block->at[a] + ((slot % ESK_DIRECTIONS + 1) >> a & 1) * (slot < ESK_DIRECTIONS ? 4 : -4);
 }
 
-bool esk_lattice_ask(esk_lattice *l, uint32_t block, int slot, uint64_t nodes)
+/* The block in a slot around another, which is made if there is none. */
+static bool find_next_block(esk_lattice *l, uint32_t block, int slot, uint32_t *next)
 {
-	uint32_t to = l->blocks[block].around[slot];
-	if (to == ESK_NO_BLOCK) {
-		int32_t at[3];
-		find_corner(&l->blocks[block], slot, at);
-		if (!find_block(l, at, &to))
-			return false;
-		l->blocks[block].around[slot] = to;
-	}
-	return ask(l, to, nodes);
+	int32_t at[3];
+	find_corner(&l->blocks[block], slot, at);
+	if (!find_block(l, at, next))
+		return false;
+	l->blocks[block].around[slot] = *next;
+	l->blocks[*next].around[slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS] = block;
+	return true;
 }
 
-void esk_lattice_link(esk_lattice *l)
+bool esk_lattice_ask_around(esk_lattice *l, uint32_t block, const uint64_t reached[ESK_AROUND])
 {
-	for (esk_block *block = l->blocks; block < l->blocks + l->block_count; block++)
-		for (int slot = 0; slot < ESK_DIRECTIONS; slot++) {
-			int32_t at[3];
-			find_corner(block, slot, at);
-			const uint32_t found = l->table[place_of(l, at)];
-			if (!found)
-				continue;
-			block->around[slot] = found - 1;
-			l->blocks[found - 1].around[slot + ESK_DIRECTIONS] = (uint32_t)(block - l->blocks);
-		}
+	bool good = true;
+	for (int s = 0; s < ESK_AROUND && good; s++) {
+		uint32_t to = l->blocks[block].around[s];
+		if (reached[s])
+			good = (to != ESK_NO_BLOCK || find_next_block(l, block, s, &to)) &&
+			       esk_lattice_ask(l, to, reached[s]);
+	}
+	return good;
+}
+
+void esk_lattice_around(const esk_lattice *l, uint32_t block, esk_block *around[ESK_AROUND])
+{
+	for (int s = 0; s < ESK_AROUND; s++) {
+		const uint32_t next = l->blocks[block].around[s];
+		around[s] = &l->blocks[next == ESK_NO_BLOCK ? block : next];
+	}
 }
 
 void esk_lattice_gather(const esk_lattice *l, uint32_t b, esk_word word, bool back, uint64_t near[ESK_AROUND])
@@ -185,39 +214,49 @@ void esk_lattice_gather(const esk_lattice *l, uint32_t b, esk_word word, bool ba
 		esk_words_gather(words, false, near);
 }
 
-static void evaluate_batch(esk_lattice *l, const uint32_t *nodes, size_t count)
+/* Nodes whose values are asked for, until they are enough for a call. */
+typedef struct {
+	size_t count;
+	uint32_t nodes[BATCH];
+	double points[BATCH][3];
+} batch;
+
+static void evaluate_batch(esk_lattice *l, batch *b)
 {
-	double points[BATCH][3], values[BATCH];
-	for (size_t i = 0; i < count; i++) {
-		int32_t at[3];
-		esk_lattice_at(l, nodes[i], at);
-		esk_lattice_position(l, at, points[i]);
+	double values[BATCH];
+	l->field->values(l->field->context, b->count, (const double(*)[3])b->points, values);
+	for (size_t i = 0; i < b->count; i++) {
+		const uint32_t node = b->nodes[i];
+		const uint32_t place = node & (ESK_PLACES - 1);
+		esk_block *block = esk_lattice_block(l, node);
+		block->values[place] = (float)values[i];
+		block->words[ESK_INSIDE] |= (uint64_t)(values[i] < 0) << place;
 	}
-	l->field->values(l->field->context, count, (const double(*)[3])points, values);
-	for (size_t i = 0; i < count; i++) {
-		esk_block *block = esk_lattice_block(l, nodes[i]);
-		block->values[nodes[i] & (ESK_PLACES - 1)] = values[i];
-		block->words[ESK_INSIDE] |= values[i] < 0 ? esk_lattice_bit(nodes[i]) : 0;
+	b->count = 0;
+}
+
+static void evaluate_block(esk_lattice *l, uint32_t block, batch *b)
+{
+	uint64_t *words = l->blocks[block].words, rest = words[ESK_ASKED];
+	words[ESK_KNOWN] |= rest;
+	words[ESK_ASKED] = 0;
+	for (; rest; rest &= rest - 1) {
+		const int place = __builtin_ctzll(rest);
+		if (b->count == BATCH)
+			evaluate_batch(l, b);
+		esk_lattice_find(l, &l->blocks[block], place, b->points[b->count]);
+		b->nodes[b->count++] = block << ESK_PLACE_BITS | (uint32_t)place;
 	}
 }
 
 void esk_lattice_evaluate(esk_lattice *l)
 {
-	uint32_t nodes[BATCH];
-	size_t count = 0;
-	for (size_t i = 0; i < l->asked_count; i++) {
-		uint64_t *words = l->blocks[l->asked[i]].words;
-		words[ESK_KNOWN] |= words[ESK_ASKED];
-		for (; words[ESK_ASKED]; words[ESK_ASKED] &= words[ESK_ASKED] - 1) {
-			nodes[count++] = l->asked[i] << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(words[ESK_ASKED]);
-			if (count == BATCH) {
-				evaluate_batch(l, nodes, count);
-				count = 0;
-			}
-		}
-	}
-	if (count)
-		evaluate_batch(l, nodes, count);
+	batch b;
+	b.count = 0;
+	for (size_t i = 0; i < l->asked_count; i++)
+		evaluate_block(l, l->asked[i], &b);
+	if (b.count)
+		evaluate_batch(l, &b);
 	l->asked_count = 0;
 }
 

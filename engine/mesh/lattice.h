@@ -24,7 +24,8 @@ enum {
 	ESK_STAR = 24,   /* tetrahedra around a node */
 	ESK_PLACES = 64, /* nodes of a block */
 	ESK_PLACE_BITS = 6,
-	ESK_LATTICE_REACH = 1 << 22, /* coordinates are smaller than that, of either sign */
+	ESK_VERTEX_KINDS = ESK_DIRECTIONS + 1, /* on edges by direction, and snapped nodes */
+	ESK_LATTICE_REACH = 1 << 22,           /* coordinates are smaller than that, of either sign */
 };
 
 #define ESK_NO_BLOCK UINT32_MAX
@@ -44,12 +45,13 @@ typedef enum {
 } esk_word;
 
 typedef struct {
-	int32_t at[3];               /* of its first node */
-	uint32_t around[ESK_AROUND]; /* blocks by slot; ESK_NO_BLOCK: not asked for from here */
+	int32_t at[3];               /* of its first node, */
+	double ways[3];              /* and from the origin to it, in step_half */
+	uint32_t around[ESK_AROUND]; /* blocks by slot; ESK_NO_BLOCK: neither has asked for the other */
 	uint64_t words[ESK_WORDS];
-	uint64_t cuts[ESK_DIRECTIONS];      /* cells.h: edges by direction from their first node, */
-	uint32_t first[ESK_DIRECTIONS + 1]; /* and numbers of what lies on them */
-	double values[ESK_PLACES];          /* of the field */
+	uint64_t vertices[ESK_VERTEX_KINDS]; /* vertices.h: those of a kind, by the first node of their edge, */
+	uint32_t first[ESK_VERTEX_KINDS];    /* and the number of the first of them */
+	float values[ESK_PLACES]; /* of the field: they tell where about its zero is, and the words on which side */
 } esk_block;
 
 /* A node's number is 64 times that of its block, and its place there. */
@@ -60,6 +62,7 @@ typedef struct {
 	uint32_t *table; /* of blocks, by coordinates: 0: empty, else the block + 1 */
 	uint32_t *asked; /* blocks with such nodes */
 	size_t block_count, block_capacity, table_capacity, asked_count, asked_capacity;
+	double ways[ESK_PLACES][3];                  /* from a block's first node to a node, in step_half, */
 	uint8_t next_slots[ESK_PLACES][ESK_AROUND];  /* of the block that the neighbour in a slot lies in, */
 	uint8_t next_places[ESK_PLACES][ESK_AROUND]; /* and its place there */
 } esk_lattice;
@@ -70,15 +73,18 @@ void esk_lattice_clear(esk_lattice *lattice);
 
 /* The number of a node, whose value is asked for; false when memory ran out. */
 bool esk_lattice_node(esk_lattice *lattice, const int32_t at[3], uint32_t *node);
-/* Asks for nodes of the block in a slot around another, which is made if there is none; false when memory ran out. */
-bool esk_lattice_ask(esk_lattice *lattice, uint32_t block, int slot, uint64_t nodes);
+/* Asks for nodes of a block; false when memory ran out. */
+bool esk_lattice_ask(esk_lattice *lattice, uint32_t block, uint64_t nodes);
+/* Asks for nodes of the blocks around one, by slot; false when memory ran out. */
+bool esk_lattice_ask_around(esk_lattice *lattice, uint32_t block, const uint64_t nodes[ESK_AROUND]);
 /* The values of all nodes asked for. */
 void esk_lattice_evaluate(esk_lattice *lattice);
-/* Lets all blocks know all blocks around them. */
-void esk_lattice_link(esk_lattice *lattice);
 /* The words of a block's neighbourhood, as bits by slot of neighbours (esk_words_gather). */
 void esk_lattice_gather(
 	const esk_lattice *lattice, uint32_t block, esk_word word, bool back, uint64_t near[ESK_AROUND]);
+
+/* The blocks around one, by slot; itself where none is known. */
+void esk_lattice_around(const esk_lattice *lattice, uint32_t block, esk_block *around[ESK_AROUND]);
 
 void esk_lattice_nearest(const esk_lattice *lattice, const double position[3], int32_t at[3]);
 
@@ -97,7 +103,7 @@ static inline bool esk_lattice_has(const esk_lattice *lattice, uint32_t node, es
 	return esk_lattice_block(lattice, node)->words[word] & esk_lattice_bit(node);
 }
 
-static inline double esk_lattice_value(const esk_lattice *lattice, uint32_t node)
+static inline float esk_lattice_value(const esk_lattice *lattice, uint32_t node)
 {
 	return esk_lattice_block(lattice, node)->values[node & (ESK_PLACES - 1)];
 }
@@ -116,7 +122,14 @@ static inline void esk_lattice_position(const esk_lattice *lattice, const int32_
 		position[a] = lattice->origin[a] + lattice->step_half * (sum - 2 * at[a]);
 }
 
-/* A node's neighbour in a slot, whose block was asked for from the node's. */
+/* The position of a place in a block, of the same bits as from coordinates. */
+static inline void esk_lattice_find(const esk_lattice *lattice, const esk_block *block, int place, double position[3])
+{
+	for (int a = 0; a < 3; a++)
+		position[a] = lattice->origin[a] + lattice->step_half * (block->ways[a] + lattice->ways[place][a]);
+}
+
+/* A node's neighbour in a slot, where one of their blocks has asked for the other. */
 static inline uint32_t esk_lattice_next(const esk_lattice *lattice, uint32_t node, int slot)
 {
 	const uint32_t place = node & (ESK_PLACES - 1);

@@ -12,12 +12,11 @@
 #include "continuation.h"
 #include "error.h"
 #include "mesh.h"
-#include "roots.h"
 #include "snapping.h"
+#include "vertices.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double longest_box = 1 << 20; /* in steps; coordinates of the lattice are at most twice that */
 
@@ -25,7 +24,6 @@ static const double longest_box = 1 << 20; /* in steps; coordinates of the latti
 static const double cube_root_of_2 = 1.2599210498948732;
 
 typedef struct {
-	const esk_field *field;
 	esk_trace trace;
 	esk_cells cells;
 } work;
@@ -35,88 +33,6 @@ static void clear(work *w)
 	esk_lattice_clear(&w->trace.lattice);
 	esk_cells_clear(&w->cells);
 }
-
-/* ---- where vertices lie */
-
-enum { BATCH = ESK_ROOTS_MOST };
-
-static void compute_gradients(const esk_field *field, size_t count, const double (*points)[3], double (*gradients)[3])
-{
-	if (field->gradients)
-		field->gradients(field->context, count, points, gradients);
-	else
-		for (size_t i = 0; i < count; i++)
-			field->gradient(field->context, points[i], gradients[i]);
-}
-
-static void write_normal(const double gradient[3], float normal[3])
-{
-	const double length = sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
-	for (int a = 0; a < 3; a++)
-		normal[a] = (float)(length > 0 && length < INFINITY ? gradient[a] / length : 0);
-}
-
-static void find_position(const esk_lattice *l, uint32_t node, double position[3])
-{
-	int32_t at[3];
-	esk_lattice_at(l, node, at);
-	esk_lattice_position(l, at, position);
-}
-
-/* The ends of the edges of a batch of vertices, and the field there. */
-static void find_ends(const work *w, size_t first, size_t count, esk_root *roots)
-{
-	const esk_lattice *l = &w->trace.lattice;
-	for (size_t i = 0; i < count; i++) {
-		const esk_edge *e = &w->cells.edges[first + i];
-		roots[i].inside_value = esk_lattice_value(l, e->inside);
-		roots[i].outside_value = esk_lattice_value(l, e->outside);
-		find_position(l, e->inside, roots[i].inside);
-		find_position(l, e->outside, roots[i].outside);
-	}
-}
-
-static void write_vertices(const work *w, eskel_mesh *mesh)
-{
-	esk_root roots[BATCH];
-	double points[BATCH][3], gradients[BATCH][3];
-	for (size_t first = 0; first < w->cells.edge_count; first += BATCH) {
-		const size_t rest = w->cells.edge_count - first, count = rest < BATCH ? rest : BATCH;
-		find_ends(w, first, count, roots);
-		esk_roots_find(w->field, count, roots, points);
-		compute_gradients(w->field, count, (const double(*)[3])points, gradients);
-		for (size_t i = 0; i < count; i++) {
-			for (int a = 0; a < 3; a++)
-				mesh->vertices[first + i][a] = (float)points[i][a];
-			write_normal(gradients[i], mesh->normals[first + i]);
-		}
-	}
-}
-
-static double distance(const eskel_mesh *mesh, uint32_t a, uint32_t b)
-{
-	double square = 0;
-	for (int i = 0; i < 3; i++) {
-		const double d = (double)mesh->vertices[a][i] - mesh->vertices[b][i];
-		square += d * d;
-	}
-	return square;
-}
-
-static void write_triangles(const work *w, eskel_mesh *mesh)
-{
-	uint32_t(*triangle)[3] = mesh->triangles;
-	for (size_t p = 0; p < w->cells.polygon_count; p++) {
-		const uint32_t *c = w->cells.polygons[p].corners;
-		const bool is_quadrangle = c[3] != ESK_NO_VERTEX;
-		const int turn = is_quadrangle && distance(mesh, c[1], c[3]) < distance(mesh, c[0], c[2]);
-		for (int t = 0; t <= is_quadrangle; t++, triangle++)
-			for (int i = 0; i < 3; i++)
-				(*triangle)[i] = c[(turn + (i ? i + t : 0)) % 4];
-	}
-}
-
-/* ---- the whole */
 
 static eskel_status check_options(const esk_polygonise_options *o, eskel_error *error)
 {
@@ -175,32 +91,34 @@ static eskel_status refuse_step(
 	return status;
 }
 
-static eskel_status no_memory(const work *w, eskel_error *error)
+/* Places the vertices, and takes over the triangles. */
+static bool fill_mesh(work *w, const esk_star *star, eskel_mesh *mesh)
 {
-	return esk_error_set(
-		error, ESKEL_NO_MEMORY, "memory ran out for a mesh of %zu triangles", w->cells.triangle_count);
+	const esk_lattice *l = &w->trace.lattice;
+	esk_vertices_place(l, mesh->vertices, mesh->normals);
+	if (!esk_cells_make(l, star, mesh->vertex_count, (const float(*)[3])mesh->vertices, &w->cells))
+		return false;
+	free(mesh->triangles);
+	mesh->triangles = w->cells.triangles;
+	mesh->triangle_count = w->cells.count;
+	w->cells = (esk_cells){0};
+	return esk_mesh_complete_normals(mesh) == ESKEL_OK;
 }
 
-static eskel_status make_polygons(work *w, eskel_error *error)
+static eskel_status make_mesh(work *w, size_t most, eskel_mesh **mesh, eskel_error *error)
 {
-	esk_lattice *l = &w->trace.lattice;
 	esk_star star;
 	esk_star_make(&star);
-	esk_lattice_link(l);
-	esk_snap(l, &star);
-	return esk_cells_make(l, &star, &w->cells) ? ESKEL_OK : no_memory(w, error);
-}
-
-static eskel_status make_mesh(const work *w, eskel_mesh **mesh, eskel_error *error)
-{
-	eskel_mesh *made = esk_mesh_new(w->cells.edge_count, w->cells.triangle_count);
-	if (!made)
-		return no_memory(w, error);
-	write_vertices(w, made);
-	write_triangles(w, made);
-	if (esk_mesh_complete_normals(made) != ESKEL_OK) {
+	esk_snap(&w->trace.lattice, &star);
+	const size_t vertex_count = esk_vertices_number(&w->trace.lattice);
+	eskel_mesh *made = esk_mesh_new(vertex_count, 0);
+	if (!made || !fill_mesh(w, &star, made)) {
 		eskel_mesh_free(made);
-		return no_memory(w, error);
+		return esk_error_set(error, ESKEL_NO_MEMORY, "memory ran out for a mesh of %zu vertices", vertex_count);
+	}
+	if (made->triangle_count > most) {
+		eskel_mesh_free(made);
+		return ESKEL_TOO_LARGE;
 	}
 	*mesh = made;
 	return ESKEL_OK;
@@ -214,15 +132,11 @@ eskel_status esk_polygonise(
 		return status;
 	const size_t most = options->triangles_max ? options->triangles_max : ESK_TRIANGLES_MAX;
 	eskel_error found = {ESKEL_OK, ""};
-	work w = {.field = field};
+	work w = {0};
 	start_lattice(field, options, options->step, &w.trace.lattice);
 	status = esk_trace_surface(&w.trace, options, most, &found);
 	if (status == ESKEL_OK)
-		status = make_polygons(&w, &found);
-	if (status == ESKEL_OK && w.cells.triangle_count > most)
-		status = ESKEL_TOO_LARGE;
-	if (status == ESKEL_OK)
-		status = make_mesh(&w, mesh, &found);
+		status = make_mesh(&w, most, mesh, &found);
 	clear(&w);
 	if (status == ESKEL_TOO_LARGE && found.status == ESKEL_OK)
 		return refuse_step(field, options, most, error);

@@ -1,62 +1,63 @@
 #include "snapping.h"
 
+#include "lanes.h"
+
 #include <math.h>
 
-#define SHORT 1.7320508075688772 /* sqrt(3) */
-#define LONG 2.0
+#define SHORT 1.7320508f /* sqrt(3) */
+#define LONG 2.0f
 /* Of an edge, how near to a node a cut must be: the pair with which the paper proves its dihedral angles of tetrahedra, 10.7
  * degrees at least. What they do to triangles, whose angles it does not bound, is measured: 15 degrees at least on smooth
  * surfaces (test_polygonise.c). */
-#define NEAR_SHORT 0.41189
-#define NEAR_LONG 0.24999
+#define NEAR_SHORT 0.41189f
+#define NEAR_LONG 0.24999f
 
-/* By direction: in step_half, and in parts of the edge. */
-static const double edge_lengths[ESK_DIRECTIONS] = {SHORT, SHORT, LONG, SHORT, LONG, LONG, SHORT};
-static const double near_parts[ESK_DIRECTIONS] = {
+/* 1 over the length in step_half, by slot, and parts of the edge, by direction. */
+static const float edge_slopes[ESK_NEIGHBOURS] = {1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG,
+	1 / SHORT, 1 / SHORT, 1 / SHORT, 1 / LONG, 1 / SHORT, 1 / LONG, 1 / LONG, 1 / SHORT};
+static const float near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-/* Without a branch, which no processor would foresee. */
-static void snap_if(const esk_lattice *l, uint32_t node, bool near)
+/* Of the edge of a direction that is cut from a place in a block on, marks the end elsewhere if the cut is near to it, and tells
+ * the one here as a bit. Values are as far from 0 as, to first order, the ends are from the cut. No branch, which no processor
+ * foresees. */
+ESK_IN_LANES uint64_t snap_ends(const esk_lattice *l, esk_block *const around[ESK_AROUND], int place, int direction)
 {
-	esk_lattice_block(l, node)->words[ESK_SNAPPED] |= (uint64_t)near << (node & (ESK_PLACES - 1));
+	esk_block *next = around[l->next_slots[place][direction]];
+	const int next_place = l->next_places[place][direction];
+	const float value = fabsf(around[ESK_OWN]->values[place]), next_value = fabsf(next->values[next_place]);
+	const float near = near_parts[direction] * (value + next_value);
+	next->words[ESK_SNAPPED] |= (uint64_t)(next_value <= near) << next_place;
+	return (uint64_t)(value <= near) << place;
 }
 
-/* The ends of an edge that its cut is near to. Values are as far from 0 as, to first order, the ends are from the cut. */
-static void snap_ends(const esk_lattice *l, uint32_t node, int direction)
+ESK_EVERY_WIDTH static void snap_block(const esk_lattice *l, uint32_t b)
 {
-	const uint32_t other = esk_lattice_next(l, node, direction);
-	const double value = fabs(esk_lattice_value(l, node)), other_value = fabs(esk_lattice_value(l, other));
-	const double near = near_parts[direction] * (value + other_value);
-	snap_if(l, node, value <= near);
-	snap_if(l, other, other_value <= near);
-}
-
-static void snap_block(const esk_lattice *l, uint32_t b)
-{
-	const esk_block *block = &l->blocks[b];
-	uint64_t inside[ESK_AROUND];
-	if (!block->words[ESK_ACTIVE])
+	esk_block *block = &l->blocks[b], *around[ESK_AROUND];
+	const uint64_t active = block->words[ESK_ACTIVE];
+	uint64_t inside[ESK_AROUND], snapped = 0;
+	if (!active)
 		return;
+	esk_lattice_around(l, b, around);
 	esk_lattice_gather(l, b, ESK_INSIDE, false, inside);
 	for (int d = 0; d < ESK_DIRECTIONS; d++)
-		for (uint64_t cut = block->words[ESK_ACTIVE] & (inside[ESK_OWN] ^ inside[d]); cut; cut &= cut - 1)
-			snap_ends(l, b << ESK_PLACE_BITS | (uint32_t)__builtin_ctzll(cut), d);
+		for (uint64_t cut = active & (inside[ESK_OWN] ^ inside[d]); cut; cut &= cut - 1)
+			snapped |= snap_ends(l, around, __builtin_ctzll(cut), d);
+	block->words[ESK_SNAPPED] |= snapped;
 }
 
-uint32_t esk_snap_other(const esk_lattice *l, uint32_t node, unsigned cut)
+int esk_snap_slot(const esk_lattice *l, esk_block *const around[ESK_AROUND], int place, unsigned cut)
 {
-	const double value = esk_lattice_value(l, node);
-	double least = INFINITY;
-	uint32_t nearest = esk_lattice_next(l, node, __builtin_ctz(cut));
+	const uint8_t *slots = l->next_slots[place], *places = l->next_places[place];
+	const float value = fabsf(around[ESK_OWN]->values[place]);
+	float most = 0;
+	int nearest = __builtin_ctz(cut);
 	for (; cut; cut &= cut - 1) {
 		const int slot = __builtin_ctz(cut);
-		const uint32_t other = esk_lattice_next(l, node, slot);
-		const double length =
-			value / (value - esk_lattice_value(l, other)) * edge_lengths[slot % ESK_DIRECTIONS];
-		if (length < least) {
-			least = length;
-			nearest = other;
-		}
+		const float change = value + fabsf(around[slots[slot]]->values[places[slot]]);
+		const float slope = change * edge_slopes[slot];
+		nearest = slope > most ? slot : nearest;
+		most = slope > most ? slope : most;
 	}
 	return nearest;
 }
@@ -134,7 +135,7 @@ static bool may_snap(rule_book *book, unsigned inside, unsigned snapped)
 }
 
 /* The suspects among the nodes of a block that break a rule. */
-static uint64_t find_breakers(const esk_lattice *l, rule_book *book, uint32_t b)
+ESK_EVERY_WIDTH static uint64_t find_breakers(const esk_lattice *l, rule_book *book, uint32_t b)
 {
 	const esk_block *block = &l->blocks[b];
 	uint64_t filled[ESK_AROUND], snapped[ESK_AROUND], breakers = 0;
@@ -168,19 +169,16 @@ static void release(const esk_lattice *l, esk_block *block, uint64_t nodes)
 /* All at once, so that no order matters. Whether there was one. */
 static bool release_breakers(const esk_lattice *l, rule_book *book)
 {
-	bool any = false;
-	for (size_t b = 0; b < l->block_count; b++)
-		l->blocks[b].words[ESK_BREAKS] = find_breakers(l, book, (uint32_t)b);
-	for (size_t b = 0; b < l->block_count; b++)
-		l->blocks[b].words[ESK_SUSPECT] = 0;
+	uint64_t any = 0;
 	for (size_t b = 0; b < l->block_count; b++) {
-		uint64_t *breakers = &l->blocks[b].words[ESK_BREAKS];
-		if (*breakers) {
-			release(l, &l->blocks[b], *breakers);
-			any = true;
-		}
-		*breakers = 0;
+		uint64_t *words = l->blocks[b].words;
+		words[ESK_BREAKS] = find_breakers(l, book, (uint32_t)b);
+		words[ESK_SUSPECT] = 0;
+		any |= words[ESK_BREAKS];
 	}
+	for (size_t b = 0; b < l->block_count && any; b++)
+		if (l->blocks[b].words[ESK_BREAKS])
+			release(l, &l->blocks[b], l->blocks[b].words[ESK_BREAKS]);
 	return any;
 }
 

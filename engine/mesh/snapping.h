@@ -20,7 +20,8 @@
 
 /* Sets the words ESK_SNAPPED and ESK_FILLED of all blocks. */
 void esk_snap(esk_lattice *lattice, const esk_star *star);
-/* The neighbour of a node on the edge where the surface is nearest, of those in a set of slots, which are on the other side. */
-uint32_t esk_snap_other(const esk_lattice *lattice, uint32_t node, unsigned cut);
+/* The slot of the edge from a place in a block on which the surface is nearest, as the field changes most by length: of a set of
+ * slots, in which neighbours are on the other side. */
+int esk_snap_slot(const esk_lattice *lattice, esk_block *const around[ESK_AROUND], int place, unsigned cut);
 
 #endif

@@ -1,4 +1,4 @@
-/* Blocks of eight points, one a lane. Terms of a blend below exp(-LEAST) of the greatest are left out, which no double would
+/* Blocks of eight points, one a lane, a few blocks together. Terms of a blend below exp(-LEAST) of the greatest are left out, which no double would
  * show; a class with no other ones in a block costs its potential alone. */
 #include "composition.h"
 
@@ -21,19 +21,22 @@ void esk_composition_make(
 	}
 }
 
-/* Points from first on; those after the last repeat it. */
-static void load(size_t count, const double (*points)[3], size_t first, esk_lanes point[3])
+/* Blocks evaluated together, so that the steps of one fill the time in which others wait for theirs. */
+enum { TOGETHER = 4, POINTS = TOGETHER * ESK_LANES };
+
+/* Points of such blocks, the last one repeated in what is left of its block. How many blocks. */
+static size_t load(size_t count, const double (*points)[3], esk_lanes loaded[TOGETHER][3])
 {
-	for (size_t l = 0; l < ESK_LANES; l++) {
-		const double *from = points[first + l < count ? first + l : count - 1];
+	const size_t blocks = (count + ESK_LANES - 1) / ESK_LANES;
+	for (size_t n = 0; n < blocks * ESK_LANES; n++)
 		for (int i = 0; i < 3; i++)
-			point[i][l] = from[i];
-	}
+			loaded[n / ESK_LANES][i][n % ESK_LANES] = points[n < count ? n : count - 1][i];
+	return blocks;
 }
 
 static size_t left(size_t count, size_t first)
 {
-	return count - first < ESK_LANES ? count - first : ESK_LANES;
+	return count - first < POINTS ? count - first : POINTS;
 }
 
 /* alpha, which a union has no use for. */
@@ -43,21 +46,30 @@ static double slope(const esk_composition *composition, uint32_t part)
 }
 
 /* values *= alpha, least = min(least, values). */
-ESK_EVERY_WIDTH static void scale(double alpha, esk_lanes values, esk_lanes least)
+ESK_EVERY_WIDTH static void scale(double alpha, size_t blocks, esk_lanes *values, esk_lanes *least)
 {
-	ESK_EACH_LANE (l) {
-		values[l] *= alpha;
-		least[l] = values[l] < least[l] ? values[l] : least[l];
-	}
+	for (size_t b = 0; b < blocks; b++)
+		ESK_EACH_LANE (l) {
+			values[b][l] *= alpha;
+			least[b][l] = values[b][l] < least[b][l] ? values[b][l] : least[b][l];
+		}
 }
 
-/* Does the exponent count in any lane? */
-ESK_IN_LANES bool counts(const esk_lanes exponent, const esk_lanes least)
+/* Does the exponent of a class count anywhere? */
+ESK_IN_LANES bool counts(size_t blocks, const esk_lanes *exponents, const esk_lanes *least)
 {
-	double nearest = exponent[0] - least[0];
-	for (int l = 1; l < ESK_LANES; l++)
-		nearest = exponent[l] - least[l] < nearest ? exponent[l] - least[l] : nearest;
-	return nearest < least_exponent;
+	esk_lanes nearest;
+	for (int l = 0; l < ESK_LANES; l++)
+		nearest[l] = least_exponent;
+	for (size_t b = 0; b < blocks; b++)
+		ESK_EACH_LANE (l) {
+			const double above = exponents[b][l] - least[b][l];
+			nearest[l] = above < nearest[l] ? above : nearest[l];
+		}
+	bool any = false;
+	for (int l = 0; l < ESK_LANES; l++)
+		any |= nearest[l] < least_exponent;
+	return any;
 }
 
 ESK_IN_LANES double term(double above_least)
@@ -66,135 +78,160 @@ ESK_IN_LANES double term(double above_least)
 	return above_least < least_exponent ? term : 0;
 }
 
-/* Of exponents e_i = alpha_i d_i: d = least - ln sum exp(least - e_i). */
-ESK_EVERY_WIDTH static void blend(const esk_lanes *exponents, uint32_t count, const esk_lanes least, esk_lanes values)
+/* Of exponents e_i = alpha_i d_i, those of a class side by side: d = least - ln sum exp(least - e_i). */
+ESK_EVERY_WIDTH static void blend(
+	uint32_t classes, size_t blocks, const esk_lanes *exponents, const esk_lanes *least, esk_lanes *values)
 {
-	esk_lanes sum = {0};
-	for (uint32_t i = 0; i < count; i++) {
-		if (!counts(exponents[i], least))
+	esk_lanes sum[TOGETHER] = {{0}};
+	for (uint32_t i = 0; i < classes; i++, exponents += blocks) {
+		if (!counts(blocks, exponents, least))
 			continue;
-		ESK_EACH_LANE (l)
-			sum[l] += term(exponents[i][l] - least[l]);
+		for (size_t b = 0; b < blocks; b++)
+			ESK_EACH_LANE (l)
+				sum[b][l] += term(exponents[b][l] - least[b][l]);
 	}
-	ESK_EACH_LANE (l)
-		values[l] = least[l] - esk_elementary_log(sum[l]);
+	for (size_t b = 0; b < blocks; b++)
+		ESK_EACH_LANE (l)
+			values[b][l] = least[b][l] - esk_elementary_log(sum[b][l]);
 }
 
 /* Leaves in the place of the exponents the weights exp(-e_i) / sum exp(-e_j). */
 ESK_EVERY_WIDTH static void blend_and_weigh(
-	esk_lanes *exponents, uint32_t count, const esk_lanes least, esk_lanes values)
+	uint32_t classes, size_t blocks, esk_lanes *exponents, const esk_lanes *least, esk_lanes *values)
 {
-	esk_lanes sum = {0};
-	for (uint32_t i = 0; i < count; i++)
-		ESK_EACH_LANE (l) {
-			exponents[i][l] = term(exponents[i][l] - least[l]);
-			sum[l] += exponents[i][l];
-		}
-	for (uint32_t i = 0; i < count; i++)
+	esk_lanes sum[TOGETHER] = {{0}};
+	for (uint32_t i = 0; i < classes; i++)
+		for (size_t b = 0; b < blocks; b++)
+			ESK_EACH_LANE (l) {
+				double *exponent = &exponents[i * blocks + b][l];
+				*exponent = term(*exponent - least[b][l]);
+				sum[b][l] += *exponent;
+			}
+	for (uint32_t i = 0; i < classes; i++)
+		for (size_t b = 0; b < blocks; b++)
+			ESK_EACH_LANE (l)
+				exponents[i * blocks + b][l] /= sum[b][l];
+	for (size_t b = 0; b < blocks; b++)
 		ESK_EACH_LANE (l)
-			exponents[i][l] /= sum[l];
-	ESK_EACH_LANE (l)
-		values[l] = least[l] - esk_elementary_log(sum[l]);
+			values[b][l] = least[b][l] - esk_elementary_log(sum[b][l]);
 }
 
 /* Of a union: the first class of those that are least has the weight 1. */
-static void weigh_first(esk_lanes *exponents, uint32_t count, const esk_lanes least)
+static void weigh_first(uint32_t classes, size_t blocks, esk_lanes *exponents, const esk_lanes *least)
 {
-	for (int l = 0; l < ESK_LANES; l++) {
-		bool found = false;
-		for (uint32_t i = 0; i < count; i++) {
-			const bool is_first = !found && exponents[i][l] == least[l];
-			exponents[i][l] = is_first ? 1 : 0;
-			found = found || is_first;
+	for (size_t b = 0; b < blocks; b++)
+		for (int l = 0; l < ESK_LANES; l++) {
+			bool found = false;
+			for (uint32_t i = 0; i < classes; i++) {
+				double *exponent = &exponents[i * blocks + b][l];
+				const bool is_first = !found && *exponent == least[b][l];
+				*exponent = is_first ? 1 : 0;
+				found = found || is_first;
+			}
 		}
-	}
 }
 
 /* From exponents to weights. */
-static void weigh(const esk_composition *composition, esk_lanes *exponents, const esk_lanes least, esk_lanes values)
+static void weigh(const esk_composition *composition, size_t blocks, esk_lanes *exponents, const esk_lanes *least,
+	esk_lanes *values)
 {
 	if (composition->compose == ESKEL_COMPOSE_BLEND) {
-		blend_and_weigh(exponents, composition->count, least, values);
+		blend_and_weigh(composition->count, blocks, exponents, least, values);
 		return;
 	}
-	memcpy(values, least, sizeof(esk_lanes));
-	weigh_first(exponents, composition->count, least);
+	memcpy(values, least, blocks * sizeof *values);
+	weigh_first(composition->count, blocks, exponents, least);
 }
 
-static void start(esk_lanes least)
+static void start(size_t blocks, esk_lanes *least)
 {
-	for (int l = 0; l < ESK_LANES; l++)
-		least[l] = INFINITY;
+	for (size_t b = 0; b < blocks; b++)
+		for (int l = 0; l < ESK_LANES; l++)
+			least[b][l] = INFINITY;
 }
 
-static void block_values(const esk_composition *composition, const esk_lanes point[3], esk_lanes values)
+static void part_values(const esk_part *part, size_t blocks, const esk_lanes (*points)[3], esk_lanes *values)
 {
-	esk_lanes exponents[ESKEL_LEVELS_MAX], least;
-	start(least);
+	if (!part->algebraic)
+		esk_form_values(&part->form, blocks, points, values);
+	else
+		for (size_t b = 0; b < blocks; b++)
+			esk_algebraic_values(part->algebraic, points[b], values[b]);
+}
+
+static void part_gradients(
+	const esk_part *part, size_t blocks, const esk_lanes (*points)[3], esk_lanes *values, esk_lanes (*gradients)[3])
+{
+	if (!part->algebraic)
+		esk_form_gradients(&part->form, blocks, points, values, gradients);
+	else
+		for (size_t b = 0; b < blocks; b++)
+			esk_algebraic_gradients(part->algebraic, points[b], values[b], gradients[b]);
+}
+
+static void find_values(
+	const esk_composition *composition, size_t blocks, const esk_lanes (*points)[3], esk_lanes *values)
+{
+	esk_lanes exponents[ESKEL_LEVELS_MAX * TOGETHER], least[TOGETHER];
+	start(blocks, least);
 	for (uint32_t i = 0; i < composition->count; i++) {
-		const esk_part *part = &composition->parts[i];
-		if (part->algebraic)
-			esk_algebraic_values(part->algebraic, point, exponents[i]);
-		else
-			esk_form_values(&part->form, point, exponents[i]);
-		scale(slope(composition, i), exponents[i], least);
+		part_values(&composition->parts[i], blocks, points, exponents + i * blocks);
+		scale(slope(composition, i), blocks, exponents + i * blocks, least);
 	}
 	if (composition->compose == ESKEL_COMPOSE_BLEND)
-		blend((const esk_lanes *)exponents, composition->count, least, values);
+		blend(composition->count, blocks, (const esk_lanes *)exponents, (const esk_lanes *)least, values);
 	else
-		memcpy(values, least, sizeof(esk_lanes));
+		memcpy(values, least, blocks * sizeof *values);
 }
 
-ESK_EVERY_WIDTH static void add_gradient(
-	double alpha, const esk_lanes weights, const esk_lanes part[3], esk_lanes gradients[3])
+ESK_EVERY_WIDTH static void add_gradients(
+	double alpha, size_t blocks, const esk_lanes *weights, const esk_lanes (*parts)[3], esk_lanes (*gradients)[3])
 {
-	for (int i = 0; i < 3; i++)
-		ESK_EACH_LANE (l)
-			gradients[i][l] += weights[l] * alpha * part[i][l];
+	for (size_t b = 0; b < blocks; b++)
+		for (int i = 0; i < 3; i++)
+			ESK_EACH_LANE (l)
+				gradients[b][i][l] += weights[b][l] * alpha * parts[b][i][l];
 }
 
-static void block_gradients(
-	const esk_composition *composition, const esk_lanes point[3], esk_lanes values, esk_lanes gradients[3])
+static void find_gradients(const esk_composition *composition, size_t blocks, const esk_lanes (*points)[3],
+	esk_lanes *values, esk_lanes (*gradients)[3])
 {
-	esk_lanes weights[ESKEL_LEVELS_MAX], least, parts[ESKEL_LEVELS_MAX][3];
-	start(least);
-	memset(gradients, 0, 3 * sizeof(esk_lanes));
+	esk_lanes weights[ESKEL_LEVELS_MAX * TOGETHER], least[TOGETHER], parts[ESKEL_LEVELS_MAX * TOGETHER][3];
+	start(blocks, least);
+	memset(gradients, 0, blocks * sizeof *gradients);
 	for (uint32_t i = 0; i < composition->count; i++) {
-		const esk_part *part = &composition->parts[i];
-		if (part->algebraic)
-			esk_algebraic_gradients(part->algebraic, point, weights[i], parts[i]);
-		else
-			esk_form_gradients(&part->form, point, weights[i], parts[i]);
-		scale(slope(composition, i), weights[i], least);
+		const size_t first = i * blocks;
+		part_gradients(&composition->parts[i], blocks, points, weights + first, parts + first);
+		scale(slope(composition, i), blocks, weights + first, least);
 	}
-	weigh(composition, weights, least, values);
+	weigh(composition, blocks, weights, (const esk_lanes *)least, values);
 	for (uint32_t i = 0; i < composition->count; i++)
-		add_gradient(slope(composition, i), weights[i], (const esk_lanes *)parts[i], gradients);
+		add_gradients(slope(composition, i), blocks, (const esk_lanes *)weights + i * blocks,
+			(const esk_lanes(*)[3])(parts + i * blocks), gradients);
 }
 
 void esk_composition_values(const esk_composition *composition, size_t count, const double (*points)[3], double *values)
 {
-	esk_lanes point[3], block;
-	for (size_t first = 0; first < count; first += ESK_LANES) {
-		load(count, points, first, point);
-		block_values(composition, (const esk_lanes *)point, block);
-		memcpy(values + first, block, left(count, first) * sizeof *values);
+	esk_lanes loaded[TOGETHER][3], found[TOGETHER];
+	for (size_t first = 0; first < count; first += POINTS) {
+		const size_t here = left(count, first), blocks = load(here, points + first, loaded);
+		find_values(composition, blocks, (const esk_lanes(*)[3])loaded, found);
+		memcpy(values + first, found, here * sizeof *values);
 	}
 }
 
 void esk_composition_gradients(const esk_composition *composition, size_t count, const double (*points)[3],
 	double *values, double (*gradients)[3])
 {
-	esk_lanes point[3], block, block_gradient[3];
-	for (size_t first = 0; first < count; first += ESK_LANES) {
-		const size_t here = left(count, first);
-		load(count, points, first, point);
-		block_gradients(composition, (const esk_lanes *)point, block, block_gradient);
+	esk_lanes loaded[TOGETHER][3], found[TOGETHER], found_gradients[TOGETHER][3];
+	for (size_t first = 0; first < count; first += POINTS) {
+		const size_t here = left(count, first), blocks = load(here, points + first, loaded);
+		find_gradients(composition, blocks, (const esk_lanes(*)[3])loaded, found, found_gradients);
 		if (values)
-			memcpy(values + first, block, here * sizeof *values);
-		for (size_t l = 0; l < here; l++)
+			memcpy(values + first, found, here * sizeof *values);
+		for (size_t n = 0; n < here; n++)
 			for (int i = 0; i < 3; i++)
-				gradients[first + l][i] = block_gradient[i][l];
+				gradients[first + n][i] = found_gradients[n / ESK_LANES][i][n % ESK_LANES];
 	}
 }
 
@@ -215,9 +252,10 @@ static double field_gradient(const void *context, const double point[3], double 
 	return esk_composition_gradient(context, point, gradient);
 }
 
-static void field_gradients(const void *context, size_t count, const double (*points)[3], double (*gradients)[3])
+static void field_gradients(
+	const void *context, size_t count, const double (*points)[3], double *values, double (*gradients)[3])
 {
-	esk_composition_gradients(context, count, points, NULL, gradients);
+	esk_composition_gradients(context, count, points, values, gradients);
 }
 
 esk_field esk_composition_field(const esk_composition *composition)
@@ -269,16 +307,19 @@ void esk_composition_derive(const esk_composition *composition, const esk_lanes 
 	double least_weight, esk_lanes values, esk_lanes gradients[3], bool *is_near, esk_derivatives *derivatives)
 {
 	esk_lanes weights[ESKEL_LEVELS_MAX], least;
-	start(least);
+	start(1, &least);
 	memset(gradients, 0, 3 * sizeof(esk_lanes));
 	for (uint32_t i = 0; i < composition->count; i++) {
-		esk_form_gradients(&composition->parts[i].form, point, derivatives[i].value, derivatives[i].gradient);
-		memcpy(weights[i], derivatives[i].value, sizeof weights[i]);
-		scale(slope(composition, i), weights[i], least);
+		esk_derivatives *d = &derivatives[i];
+		esk_form_gradients(
+			&composition->parts[i].form, 1, (const esk_lanes(*)[3])point, &d->value, &d->gradient);
+		memcpy(weights[i], d->value, sizeof weights[i]);
+		scale(slope(composition, i), 1, &weights[i], &least);
 	}
-	weigh(composition, weights, least, values);
+	weigh(composition, 1, weights, (const esk_lanes *)&least, (esk_lanes *)values);
 	for (uint32_t i = 0; i < composition->count; i++)
-		add_gradient(slope(composition, i), weights[i], (const esk_lanes *)derivatives[i].gradient, gradients);
+		add_gradients(slope(composition, i), 1, (const esk_lanes *)&weights[i],
+			(const esk_lanes(*)[3])derivatives[i].gradient, (esk_lanes(*)[3])gradients);
 	for (uint32_t i = 0; i < composition->count; i++) {
 		const double alpha = slope(composition, i);
 		is_near[i] = is_any_at_least(weights[i], least_weight);

@@ -127,25 +127,30 @@ ESK_IN_LANES double gradient_of(
 		break; \
 	}
 
-ESK_EVERY_WIDTH void esk_form_values(const esk_form *form, const esk_lanes point[3], esk_lanes values){
+ESK_EVERY_WIDTH void esk_form_values(
+	const esk_form *form, size_t blocks, const esk_lanes (*points)[3], esk_lanes *values)
+{
 #define VALUES(steps, superquadric) \
-	ESK_EACH_LANE (l) \
-	values[l] = value_of(form, point[0][l], point[1][l], point[2][l], steps, superquadric)
+	for (size_t b = 0; b < blocks; b++) \
+		ESK_EACH_LANE (l) \
+	values[b][l] = value_of(form, points[b][0][l], points[b][1][l], points[b][2][l], steps, superquadric)
 	EACH_WAY(form, VALUES)
 #undef VALUES
 }
 
 ESK_EVERY_WIDTH void esk_form_gradients(
-	const esk_form *form, const esk_lanes point[3], esk_lanes values, esk_lanes gradients[3])
+	const esk_form *form, size_t blocks, const esk_lanes (*points)[3], esk_lanes *values, esk_lanes (*gradients)[3])
 {
 #define GRADIENTS(steps, superquadric) \
-	ESK_EACH_LANE (l) { \
-		esk_vector g; \
-		values[l] = gradient_of(form, point[0][l], point[1][l], point[2][l], steps, superquadric, &g); \
-		gradients[0][l] = g.x; \
-		gradients[1][l] = g.y; \
-		gradients[2][l] = g.z; \
-	}
+	for (size_t b = 0; b < blocks; b++) \
+		ESK_EACH_LANE (l) { \
+			const esk_lanes *p = points[b]; \
+			esk_vector g; \
+			values[b][l] = gradient_of(form, p[0][l], p[1][l], p[2][l], steps, superquadric, &g); \
+			gradients[b][0][l] = g.x; \
+			gradients[b][1][l] = g.y; \
+			gradients[b][2][l] = g.z; \
+		}
 	EACH_WAY(form, GRADIENTS)
 #undef GRADIENTS
 }
