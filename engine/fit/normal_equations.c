@@ -160,17 +160,20 @@ ESK_EVERY_WIDTH static void take_residuals(strip *s, double length, esk_lanes sq
 			squares[l] += s->weights[b + l] * s->residuals[b + l] * s->residuals[b + l];
 }
 
+/* The squares of a strip's residuals. */
+static double measure_strip(const esk_composition *blend, double length, strip *s, esk_strip *weights)
+{
+	esk_lanes squares = {0};
+	esk_blend_evaluate(blend, (const esk_strip *)s->points, s->values, s->gradients, weights);
+	take_residuals(s, length, squares);
+	return sum_lanes(squares);
+}
+
 static void measure_part(void *context, size_t part)
 {
 	esk_normal_equations *e = context;
-	for (size_t n = first_strip(e, part); n < first_strip(e, part + 1); n++) {
-		strip *s = &e->strips[n];
-		esk_lanes squares = {0};
-		esk_blend_evaluate(e->composition, (const esk_strip *)s->points, s->values, s->gradients,
-			&e->weights[n * e->class_count]);
-		take_residuals(s, e->length, squares);
-		e->costs[n] = sum_lanes(squares);
-	}
+	for (size_t n = first_strip(e, part); n < first_strip(e, part + 1); n++)
+		e->costs[n] = measure_strip(e->composition, e->length, &e->strips[n], &e->weights[n * e->class_count]);
 }
 
 double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition, double length)
@@ -181,6 +184,16 @@ double esk_normal_equations_measure(esk_normal_equations *equations, const esk_c
 	double sum = 0;
 	for (size_t n = 0; n < equations->strip_count; n++)
 		sum += equations->costs[n];
+	return sum;
+}
+
+double esk_normal_equations_measure_below(
+	esk_normal_equations *equations, const esk_composition *composition, double length, double most)
+{
+	double sum = 0;
+	for (size_t n = 0; n < equations->strip_count && sum < most; n++)
+		sum += measure_strip(
+			composition, length, &equations->strips[n], &equations->weights[n * equations->class_count]);
 	return sum;
 }
 
