@@ -15,14 +15,16 @@ static esk_vector unwarp(const double *modes, esk_vector u)
 
 static esk_vector unscale(const double *modes, const double *widening, esk_vector u)
 {
-	const esk_scaling s = esk_scaling_at(modes, widening, u); /* its scales depend on z alone */
+	const esk_turns turns = esk_turns_at(modes, u.z);
+	const esk_scaling s = esk_scaling_at(modes, widening, u, turns); /* its scales depend on z alone */
 	return (esk_vector){u.x / s.x_scale, u.y / s.y_scale, u.z};
 }
 
 static esk_vector unbend(const double *modes, esk_vector u)
 {
 	/* Where the axis goes, and the turn there. */
-	const esk_bending b = esk_bending_at(modes, (esk_vector){0, 0, u.z});
+	const esk_turns turns = esk_turns_at(modes, u.z);
+	const esk_bending b = esk_bending_at(modes, (esk_vector){0, 0, u.z}, turns);
 	const double x = u.x - b.to.x, y = u.y - b.to.y;
 	return (esk_vector){b.cosine * x - b.sine * y, b.sine * x + b.cosine * y, u.z};
 }

@@ -11,15 +11,19 @@
 /* x positive and normal. Within 1e-15 of ln x, relative to the larger of |ln x| and 1. */
 static inline double esk_elementary_log(double x)
 {
-	/* x = 2^exponent m with m in [sqrt 1/2, sqrt 2): the bits of sqrt 1/2 are subtracted, so that the exponent field
-	 * of what is left counts whole octaves above it. */
-	const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, exponent_field = 0xfff0000000000000;
-	uint64_t bits, shifted;
+	/* x = 2^octave m with m in [sqrt 1/2, sqrt 2): the bits of sqrt 1/2 are subtracted, so that the exponent field of what
+	 * is left counts whole octaves above it. They become a double in the last bits of 2^52, not by way of a short
+	 * integer: vectors hold as many words of 64 bits as doubles. */
+	const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, bias = 0x3ff0000000000000, large = 0x4330000000000000;
+	uint64_t bits, octaves;
 	memcpy(&bits, &x, sizeof bits);
-	shifted = (bits - sqrt_half) & exponent_field;
-	double exponent = (double)((int32_t)(shifted >> 32) / (1 << 20)), m;
-	bits -= shifted;
+	octaves = (bits - sqrt_half + bias) >> 52;
+	bits -= (octaves << 52) - bias;
+	octaves |= large;
+	double m, octave;
 	memcpy(&m, &bits, sizeof m);
+	memcpy(&octave, &octaves, sizeof octave);
+	octave -= 0x1p52 + 1023;
 	/* ln m = 2 artanh s, s = (m - 1) / (m + 1), |s| < 0.1716; the first term left out is 2 s^21 / 21 < 1e-17. */
 	double s = (m - 1) / (m + 1), t = s * s;
 	double series = 1.0 / 19;
@@ -31,7 +35,7 @@ static inline double esk_elementary_log(double x)
 	series = series * t + 1.0 / 7;
 	series = series * t + 1.0 / 5;
 	series = series * t + 1.0 / 3;
-	return exponent * 0.69314718055994530942 + (2 * s + 2 * s * t * series);
+	return octave * 0.69314718055994530942 + (2 * s + 2 * s * t * series);
 }
 
 /* |x| < 80. Relative error below 2e-7. */

@@ -19,6 +19,10 @@ void esk_normal_equations_free(esk_normal_equations *equations);
 /* The weighted sum of squares of the residuals, mm^2, with L = length. They, and the composition, stay for the next call. */
 double esk_normal_equations_measure(esk_normal_equations *equations, const esk_composition *composition, double length);
 
+/* The same, given up once it is not below most; in the calling thread, and nothing stays. */
+double esk_normal_equations_measure_below(
+	esk_normal_equations *equations, const esk_composition *composition, double length, double most);
+
 /* J^T J and J^T r for the composition that was measured last and the first count parameters of each class, those of class i
  * from i count on: the upper triangle of matrix[n][n], vector[n], n = class_count count. */
 void esk_normal_equations_derive(esk_normal_equations *equations, size_t count, double *matrix, double *vector);

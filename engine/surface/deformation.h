@@ -56,6 +56,38 @@ ESK_IN_LANES esk_power esk_power_of(esk_reached t, int n)
 	return (esk_power){below * t.at, n * below * t.moves};
 }
 
+ESK_IN_LANES esk_polynomial esk_twist(const double *modes, double z)
+{
+	return esk_polynomial_123(
+		esk_reach(z), modes[ESKEL_MODE_TWIST], modes[ESKEL_MODE_TWIST2], modes[ESKEL_MODE_TWIST3]);
+}
+
+ESK_IN_LANES esk_polynomial esk_taper_x(const double *modes, double z)
+{
+	return esk_polynomial_123(
+		esk_reach(z), modes[ESKEL_MODE_TAPER_X], modes[ESKEL_MODE_BULGE_X], modes[ESKEL_MODE_TAPER3_X]);
+}
+
+ESK_IN_LANES esk_polynomial esk_taper_y(const double *modes, double z)
+{
+	return esk_polynomial_123(
+		esk_reach(z), modes[ESKEL_MODE_TAPER_Y], modes[ESKEL_MODE_BULGE_Y], modes[ESKEL_MODE_TAPER3_Y]);
+}
+
+/* The transcendental functions in steps 2 and 3: of the twist, and exp(-taper). They depend on z in the frame alone. */
+typedef struct {
+	double sine, cosine, x_taper, y_taper;
+} esk_turns;
+
+ESK_IN_LANES esk_turns esk_turns_at(const double *modes, double z)
+{
+	esk_turns t;
+	esk_elementary_sine_cosine(esk_twist(modes, z).value, &t.sine, &t.cosine);
+	t.x_taper = esk_elementary_exp_double(-esk_taper_x(modes, z).value);
+	t.y_taper = esk_elementary_exp_double(-esk_taper_y(modes, z).value);
+	return t;
+}
+
 /* Step 2. */
 typedef struct {
 	esk_vector to;
@@ -65,17 +97,15 @@ typedef struct {
 	esk_vector by_zz;
 } esk_bending;
 
-ESK_IN_LANES esk_bending esk_bending_at(const double *modes, esk_vector q)
+ESK_IN_LANES esk_bending esk_bending_at(const double *modes, esk_vector q, esk_turns turns)
 {
-	esk_bending b;
+	esk_bending b = {.cosine = turns.cosine, .sine = turns.sine};
 	b.along = esk_reach(q.z);
 	esk_polynomial x = esk_polynomial_234(
 		b.along, modes[ESKEL_MODE_BEND_X], modes[ESKEL_MODE_BEND3_X], modes[ESKEL_MODE_BEND4_X]);
 	esk_polynomial y = esk_polynomial_234(
 		b.along, modes[ESKEL_MODE_BEND_Y], modes[ESKEL_MODE_BEND3_Y], modes[ESKEL_MODE_BEND4_Y]);
-	esk_polynomial twist = esk_polynomial_123(
-		b.along, modes[ESKEL_MODE_TWIST], modes[ESKEL_MODE_TWIST2], modes[ESKEL_MODE_TWIST3]);
-	esk_elementary_sine_cosine(twist.value, &b.sine, &b.cosine);
+	esk_polynomial twist = esk_twist(modes, q.z);
 	const double c = b.cosine, s = b.sine, t = twist.first;
 	b.turning = t;
 	b.to = (esk_vector){c * (q.x - x.value) + s * (q.y - y.value), c * (q.y - y.value) - s * (q.x - x.value), q.z};
@@ -130,16 +160,14 @@ typedef struct {
 	esk_jacobian jacobian;
 } esk_scaling;
 
-ESK_IN_LANES esk_scaling esk_scaling_at(const double *modes, const double *widening, esk_vector q)
+ESK_IN_LANES esk_scaling esk_scaling_at(const double *modes, const double *widening, esk_vector q, esk_turns turns)
 {
 	esk_scaling s;
 	s.along = esk_reach(q.z);
-	s.x_taper = esk_polynomial_123(
-		s.along, modes[ESKEL_MODE_TAPER_X], modes[ESKEL_MODE_BULGE_X], modes[ESKEL_MODE_TAPER3_X]);
-	s.y_taper = esk_polynomial_123(
-		s.along, modes[ESKEL_MODE_TAPER_Y], modes[ESKEL_MODE_BULGE_Y], modes[ESKEL_MODE_TAPER3_Y]);
-	s.x_scale = widening[0] * esk_elementary_exp_double(-s.x_taper.value);
-	s.y_scale = widening[1] * esk_elementary_exp_double(-s.y_taper.value);
+	s.x_taper = esk_taper_x(modes, q.z);
+	s.y_taper = esk_taper_y(modes, q.z);
+	s.x_scale = widening[0] * turns.x_taper;
+	s.y_scale = widening[1] * turns.y_taper;
 	s.to = (esk_vector){s.x_scale * q.x, s.y_scale * q.y, q.z};
 	s.jacobian = (esk_jacobian){
 		{s.x_scale, 0, 0}, {0, s.y_scale, 0}, {-s.x_taper.first * s.to.x, -s.y_taper.first * s.to.y, 1}};

@@ -2,7 +2,7 @@
  * change nothing are left out, which changes no bit: with modes of 0 they are exactly the identity. */
 #include "form.h"
 
-#include "deformation.h"
+#include "chain.h"
 #include "superquadric.h"
 
 #include <string.h>
@@ -24,54 +24,9 @@ void esk_form_make(const eskel_primitive *primitive, esk_form *form)
 	form->is_superquadric = primitive->exponents[0] != 1 || primitive->exponents[1] != 1;
 }
 
-/* Step 1. */
-ESK_IN_LANES esk_vector to_frame(const esk_form *form, double x, double y, double z)
-{
-	const double(*m)[3] = form->to_frame;
-	x -= form->centre[0];
-	y -= form->centre[1];
-	z -= form->centre[2];
-	return (esk_vector){m[0][0] * x + m[0][1] * y + m[0][2] * z, m[1][0] * x + m[1][1] * y + m[1][2] * z,
-		m[2][0] * x + m[2][1] * y + m[2][2] * z};
-}
-
-/* A gradient back to world coordinates. */
-ESK_IN_LANES esk_vector to_world(const esk_form *form, esk_vector g)
-{
-	const double(*m)[3] = form->to_frame;
-	return (esk_vector){m[0][0] * g.x + m[1][0] * g.y + m[2][0] * g.z,
-		m[0][1] * g.x + m[1][1] * g.y + m[2][1] * g.z, m[0][2] * g.x + m[1][2] * g.y + m[2][2] * g.z};
-}
-
-typedef struct {
-	esk_vector in_frame;
-	esk_bending bending;
-	esk_scaling scaling;
-	esk_warping warping;
-	esk_vector unit;
-} chain;
-
-ESK_IN_LANES chain follow(const esk_form *form, double x, double y, double z, esk_steps steps)
-{
-	chain c;
-	c.in_frame = to_frame(form, x, y, z);
-	if (steps == ESK_RIGID) {
-		c.unit = (esk_vector){form->widening[0] * c.in_frame.x, form->widening[1] * c.in_frame.y, c.in_frame.z};
-		return c;
-	}
-	c.bending = esk_bending_at(form->modes, c.in_frame);
-	c.scaling = esk_scaling_at(form->modes, form->widening, c.bending.to);
-	c.unit = c.scaling.to;
-	if (steps == ESK_WARPED) {
-		c.warping = esk_warping_at(form->modes, c.scaling.to);
-		c.unit = c.warping.to;
-	}
-	return c;
-}
-
 ESK_IN_LANES double value_of(const esk_form *form, double x, double y, double z, esk_steps steps, bool superquadric)
 {
-	const chain c = follow(form, x, y, z, steps);
+	const esk_chain c = esk_chain_follow(form, x, y, z, steps);
 	return superquadric ? esk_superquadric_at(c.unit, form->exponents[0], form->exponents[1]).size - 1
 			    : esk_dot(c.unit, c.unit) - 1;
 }
@@ -88,16 +43,9 @@ ESK_IN_LANES esk_jet measure(const esk_form *form, esk_vector unit, bool superqu
 ESK_IN_LANES double gradient_of(
 	const esk_form *form, double x, double y, double z, esk_steps steps, bool superquadric, esk_vector *gradient)
 {
-	const chain c = follow(form, x, y, z, steps);
+	const esk_chain c = esk_chain_follow(form, x, y, z, steps);
 	const esk_jet measured = measure(form, c.unit, superquadric);
-	esk_vector g = measured.gradient;
-	if (steps == ESK_RIGID)
-		g = (esk_vector){form->widening[0] * g.x, form->widening[1] * g.y, g.z};
-	if (steps == ESK_WARPED)
-		g = esk_jacobian_pull(&c.warping.jacobian, g);
-	if (steps != ESK_RIGID)
-		g = esk_jacobian_pull(&c.bending.jacobian, esk_jacobian_pull(&c.scaling.jacobian, g));
-	*gradient = to_world(form, g);
+	*gradient = esk_chain_pull(form, &c, measured.gradient, steps);
 	return measured.value;
 }
 
@@ -160,7 +108,7 @@ typedef struct {
 	esk_jet unit, scaled, bent, frame;
 } jets;
 
-ESK_IN_LANES jets pull(const esk_form *form, const chain *c, esk_steps steps, bool superquadric)
+ESK_IN_LANES jets pull(const esk_form *form, const esk_chain *c, esk_steps steps, bool superquadric)
 {
 	jets j;
 	j.unit = measure(form, c->unit, superquadric);
@@ -173,7 +121,7 @@ ESK_IN_LANES jets pull(const esk_form *form, const chain *c, esk_steps steps, bo
 /* Writes a tangent whose gradient is in the frame. */
 ESK_IN_LANES void put(const esk_form *form, esk_tangent t, esk_derivatives *out, int parameter, int l)
 {
-	const esk_vector g = to_world(form, t.gradient);
+	const esk_vector g = esk_chain_to_world(form, t.gradient);
 	out->value_by[parameter][l] = t.value;
 	out->gradient_by[parameter][0][l] = g.x;
 	out->gradient_by[parameter][1][l] = g.y;
@@ -181,7 +129,7 @@ ESK_IN_LANES void put(const esk_form *form, esk_tangent t, esk_derivatives *out,
 }
 
 /* Translation and rotation. They move q by -e_k / c and q x e_k. */
-ESK_IN_LANES void put_motion(const esk_form *form, const chain *c, const esk_jet *f, esk_derivatives *out, int l)
+ESK_IN_LANES void put_motion(const esk_form *form, const esk_chain *c, const esk_jet *f, esk_derivatives *out, int l)
 {
 	const esk_vector q = c->in_frame, g = f->gradient;
 	const esk_symmetric h = f->hessian;
@@ -199,7 +147,7 @@ ESK_IN_LANES void put_motion(const esk_form *form, const chain *c, const esk_jet
 }
 
 /* ln a and ln b change widths over c, ln c these and q, which it moves by -q. */
-ESK_IN_LANES void put_radii(const esk_form *form, const chain *c, const jets *j, esk_derivatives *out, int l)
+ESK_IN_LANES void put_radii(const esk_form *form, const esk_chain *c, const jets *j, esk_derivatives *out, int l)
 {
 	const esk_jacobian *bending = &c->bending.jacobian;
 	const esk_tangent a = esk_tangent_pull(bending, esk_scaling_by_x(&c->scaling, &j->scaled, 0));
@@ -218,7 +166,7 @@ enum { FURTHER = ESK_FURTHER_MODES - ESK_FIRST_MODE_COUNT }; /* from a further m
 
 /* Modes of step 2. */
 ESK_IN_LANES void put_bending(
-	const esk_form *form, const chain *c, const esk_jet *bent, bool further, esk_derivatives *out, int l)
+	const esk_form *form, const esk_chain *c, const esk_jet *bent, bool further, esk_derivatives *out, int l)
 {
 	const esk_bending *b = &c->bending;
 	put(form, esk_bending_by_bend(b, bent, 1, 0, 2), out, ESK_FIRST_MODES + ESKEL_MODE_BEND_X, l);
@@ -236,7 +184,7 @@ ESK_IN_LANES void put_bending(
 
 /* Modes of step 3. */
 ESK_IN_LANES void put_scaling(
-	const esk_form *form, const chain *c, const esk_jet *scaled, bool further, esk_derivatives *out, int l)
+	const esk_form *form, const esk_chain *c, const esk_jet *scaled, bool further, esk_derivatives *out, int l)
 {
 	const esk_scaling *s = &c->scaling;
 	const esk_jacobian *j = &c->bending.jacobian;
@@ -250,13 +198,14 @@ ESK_IN_LANES void put_scaling(
 	put(form, esk_tangent_pull(j, esk_scaling_by_y(s, scaled, 3)), out, FURTHER + ESKEL_MODE_TAPER3_Y, l);
 }
 
-ESK_IN_LANES esk_tangent before_scaling(const chain *c, esk_tangent t)
+ESK_IN_LANES esk_tangent before_scaling(const esk_chain *c, esk_tangent t)
 {
 	return esk_tangent_pull(&c->bending.jacobian, esk_tangent_pull(&c->scaling.jacobian, t));
 }
 
 /* Modes of step 4. */
-ESK_IN_LANES void put_warping(const esk_form *form, const chain *c, const esk_jet *unit, esk_derivatives *out, int l)
+ESK_IN_LANES void put_warping(
+	const esk_form *form, const esk_chain *c, const esk_jet *unit, esk_derivatives *out, int l)
 {
 	const esk_warping *w = &c->warping;
 	const double x = w->x.at, y = w->y.at, by_x = w->x.moves, by_y = w->y.moves;
@@ -271,7 +220,7 @@ ESK_IN_LANES void put_warping(const esk_form *form, const chain *c, const esk_je
 	put(form, before_scaling(c, esk_warping_by_skew(w, unit)), out, FURTHER + ESKEL_MODE_SKEW, l);
 }
 
-ESK_IN_LANES void put_exponents(const esk_form *form, const chain *c, esk_steps steps, esk_derivatives *out, int l)
+ESK_IN_LANES void put_exponents(const esk_form *form, const esk_chain *c, esk_steps steps, esk_derivatives *out, int l)
 {
 	const double e1 = form->exponents[0], e2 = form->exponents[1];
 	const esk_superquadric s = esk_superquadric_at(c->unit, e1, e2);
@@ -288,9 +237,9 @@ ESK_IN_LANES void put_exponents(const esk_form *form, const chain *c, esk_steps 
 ESK_IN_LANES void derive_lane(const esk_form *form, const esk_lanes point[3], esk_steps steps, bool superquadric,
 	bool further, esk_derivatives *out, int l)
 {
-	const chain c = follow(form, point[0][l], point[1][l], point[2][l], steps);
+	const esk_chain c = esk_chain_follow(form, point[0][l], point[1][l], point[2][l], steps);
 	const jets j = pull(form, &c, steps, superquadric);
-	const esk_vector g = to_world(form, j.frame.gradient);
+	const esk_vector g = esk_chain_to_world(form, j.frame.gradient);
 	out->value[l] = j.unit.value;
 	out->gradient[0][l] = g.x;
 	out->gradient[1][l] = g.y;

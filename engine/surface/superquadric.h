@@ -22,14 +22,30 @@ typedef struct {
 	double ratio;       /* |l_u - l_v| / e */
 } esk_log_norm;
 
-ESK_IN_LANES esk_log_norm esk_log_norm_of(double log_u, double log_v, double e)
+ESK_IN_LANES double esk_log_norm_ratio(double log_u, double log_v, double e)
+{
+	double difference = log_u - log_v;
+	return (difference > 0 ? difference : -difference) / e;
+}
+
+/* The smaller of u^(1/e) and v^(1/e) over the larger. */
+ESK_IN_LANES double esk_log_norm_least(double ratio)
+{
+	return esk_elementary_exp_double(ratio < 690 ? -ratio : -690);
+}
+
+ESK_IN_LANES esk_log_norm esk_log_norm_from(double log_u, double log_v, double e, double ratio, double least)
 {
 	double difference = log_u - log_v, larger = difference > 0 ? log_u : log_v;
-	double ratio = (difference > 0 ? difference : -difference) / e;
-	double least = esk_elementary_exp_double(ratio < 690 ? -ratio : -690), sum = 1 + least;
-	double minor = least / sum, major = 1 / sum, log_sum = esk_elementary_log(sum);
+	double sum = 1 + least, major = 1 / sum, minor = least * major, log_sum = esk_elementary_log(sum);
 	return (esk_log_norm){
 		larger + e * log_sum, difference > 0 ? major : minor, difference > 0 ? minor : major, log_sum, ratio};
+}
+
+ESK_IN_LANES esk_log_norm esk_log_norm_of(double log_u, double log_v, double e)
+{
+	double ratio = esk_log_norm_ratio(log_u, log_v, e);
+	return esk_log_norm_from(log_u, log_v, e, ratio, esk_log_norm_least(ratio));
 }
 
 /* -s ln s - (1 - s) ln(1 - s): the larger share is 1 / sum, the smaller exp(-ratio) / sum. */
@@ -62,6 +78,13 @@ ESK_IN_LANES double esk_superquadric_slope(double x)
 	return 2 * x / (x * x + ESK_ROUNDING);
 }
 
+ESK_IN_LANES esk_vector esk_superquadric_gradient(const esk_superquadric *s, esk_vector u)
+{
+	const double r = s->whole.share, a = s->across.share, b = s->across.rest, size = s->size;
+	return (esk_vector){size * (r * a) * esk_superquadric_slope(u.x), size * (r * b) * esk_superquadric_slope(u.y),
+		size * s->whole.rest * esk_superquadric_slope(u.z)};
+}
+
 ESK_IN_LANES esk_jet esk_superquadric_jet(const esk_superquadric *s, esk_vector u, double e1, double e2)
 {
 	const double r = s->whole.share, a = s->across.share, b = s->across.rest, size = s->size;
@@ -74,7 +97,7 @@ ESK_IN_LANES esk_jet esk_superquadric_jet(const esk_superquadric *s, esk_vector 
 	const double yy = 2 * wy / (u.y * u.y + ESK_ROUNDING) + (wy * wy + outer * b * b + inner - wy) * hy * hy;
 	const double zz = 2 * wz / (u.z * u.z + ESK_ROUNDING) + (wz * wz + outer - wz) * hz * hz;
 	return (esk_jet){.value = size - 1,
-		.gradient = {size * wx * hx, size * wy * hy, size * wz * hz},
+		.gradient = esk_superquadric_gradient(s, u),
 		.hessian = {size * xx, size * (wx * wy + outer * a * b - inner) * hx * hy,
 			size * (wx * wz - outer * a) * hx * hz, size * yy, size * (wy * wz - outer * b) * hy * hz,
 			size * zz}};

@@ -2,7 +2,7 @@
 # The benchmarks: builds eskel as it is released, installs its peers from Debian, measures ours and theirs in turn, round
 # after round, and prints one table. Ten to fifteen minutes; each part alone takes up to four:
 #
-#     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|mesh|enroll|serve|start]...
+#     sh tests/bench/run.sh [partition|atlas|growth|match|search|decode|mesh|fit|enroll|serve|start]...
 #
 # start is not among those that run unless asked for: it fills 4.4 GB with a million shapes, which takes two minutes.
 # ROUNDS=5 takes five rounds in place of three. Everything is one thread, but for the server and rows that say so. Programs,
@@ -10,11 +10,11 @@
 set -eu
 
 cd "$(dirname "$0")/../.."
-parts=${*:-partition atlas growth match search decode mesh enroll serve}
+parts=${*:-partition atlas growth match search decode mesh fit enroll serve}
 for part in $parts; do
 	case $part in
-	partition | atlas | growth | match | search | decode | mesh | enroll | serve | start) ;;
-	*) echo "run.sh: $part is none of partition, atlas, growth, match, search, decode, mesh, enroll, serve, start" >&2; exit 2 ;;
+	partition | atlas | growth | match | search | decode | mesh | fit | enroll | serve | start) ;;
+	*) echo "run.sh: $part is none of partition, atlas, growth, match, search, decode, mesh, fit, enroll, serve, start" >&2; exit 2 ;;
 	esac
 done
 sh deploy/packages.sh build bench
@@ -31,7 +31,7 @@ atlases=/usr/share/mricron/templates # of mricron-data
 
 cmake -S . -B $folder -G Ninja -DCMAKE_BUILD_TYPE=Release -DESKEL_TESTS=ON >/dev/null
 cmake --build $folder --target eskeld bench_partition bench_skeleton bench_match bench_search bench_decode bench_enroll \
-	bench_filter bench_inputs bench_fill bench_mesh -- --quiet
+	bench_filter bench_inputs bench_fill bench_mesh bench_fit -- --quiet
 c++ -O2 $peers/matching.cpp -o $folder/peer_matching -llemon
 cc -O2 -D_GNU_SOURCE -I/usr/include/nifti $peers/decoding.c -o $folder/peer_decoding -lniftiio -lisal -lz
 
@@ -111,6 +111,11 @@ mesh() {
 		$ours/bench_mesh mesh/steps=$steps $steps $folder/grid
 		/usr/bin/python3 $peers/meshing.py mesh/steps=$steps $folder/grid
 	done
+}
+
+fit() {
+	$ours/bench_fit $folder/fit
+	/usr/bin/python3 $peers/fitting.py $folder/fit
 }
 
 enroll() {

@@ -43,7 +43,7 @@ def potential(parameters, starts, points):
 
 def residuals(parameters, starts, data):
     points, kinds, margins, weights, length, pull = data
-    step = 1e-4
+    step = 1e-6  # mm: creases are rounded within 2^-12 of a radius
     value = potential(parameters, starts, points)
     square = (value / length) ** 2
     for axis in np.eye(3) * step:

@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "composition.h"
+#include "blend.h"
 #include "synthetic.h"
 
 #include <math.h>
@@ -112,88 +112,81 @@ static void a_point_has_the_same_bits_in_any_company(void **unused)
 	}
 }
 
-static void assert_close(double found, double expected, double scale, const char *what, int part, int parameter)
+static void random_strip(uint64_t *state, esk_strip points[3])
 {
-	if (!(fabs(found - expected) <= 2e-5 * (fabs(expected) + scale)))
-		fail_msg("%s by parameter %d of class %d is %.10g, differences say %.10g", what, parameter, part, found,
-			expected);
-}
-
-static double change_of(const eskel_primitive *primitives, int part, int parameter, eskel_compose compose,
-	const double point[3], double gradient_change[3])
-{
-	const double h = 1e-5;
-	double values[2], gradients[2][3];
-	for (int s = 0; s < 2; s++) {
-		eskel_primitive moved[PARTS];
-		esk_composition made;
-		double step[ESK_PARAMETERS_ALL] = {0};
-		memcpy(moved, primitives, sizeof moved);
-		step[parameter] = s ? h : -h;
-		esk_primitive_step(&moved[part], step, ESK_PARAMETERS_ALL, &moved[part]);
-		esk_composition_make(moved, PARTS, compose, &made);
-		values[s] = esk_composition_gradient(&made, point, gradients[s]);
-	}
 	for (int i = 0; i < 3; i++)
-		gradient_change[i] = (gradients[1][i] - gradients[0][i]) / (2 * h);
-	return (values[1] - values[0]) / (2 * h);
+		for (int l = 0; l < ESK_STRIP; l++)
+			points[i][l] = uniform(state, -10, 10);
 }
 
-static void derivatives_of_a_blend_are_those_of_its_value_and_gradient(void **unused)
+static void assert_strip(const esk_form *form, const esk_strip points[3])
+{
+	esk_strip_place place;
+	esk_strip values, gradients[3];
+	esk_strip_locate(form, points, &place);
+	esk_strip_gradients(form, &place, values, gradients);
+	for (int first = 0; first < ESK_STRIP; first += ESK_LANES) {
+		esk_lanes point[3], value, gradient[3];
+		for (int i = 0; i < 3; i++)
+			memcpy(point[i], &points[i][first], sizeof point[i]);
+		esk_form_gradients(form, 1, (const esk_lanes(*)[3])point, &value, &gradient);
+		assert_memory_equal(value, &values[first], sizeof value);
+		for (int i = 0; i < 3; i++)
+			assert_memory_equal(gradient[i], &gradients[i][first], sizeof gradient[i]);
+		for (int l = 0; l < ESK_LANES; l++)
+			assert_true(place.floor[first + l] <= value[l] + 1e-12 * (1 + fabs(value[l])));
+	}
+}
+
+static void strips_have_the_bits_of_blocks(void **unused)
 {
 	(void)unused;
-	static esk_derivatives derivatives[PARTS];
-	uint64_t state = 3;
-	for (int n = 0; n < 12; n++) {
+	uint64_t state = 5;
+	for (int n = 0; n < 40; n++) {
+		eskel_primitive primitives[PARTS];
+		esk_strip points[3];
+		random_primitives(&state, n % 4 ? 0.3 : 0, n % 2 ? 0.7 : 0, primitives);
+		random_strip(&state, points);
+		for (int p = 0; p < PARTS; p++) {
+			esk_form form;
+			if (n % 3 == 0)
+				memset(primitives[p].modes + ESKEL_MODE_CUP_XX, 0,
+					(ESKEL_MODE_COUNT - ESKEL_MODE_CUP_XX) * sizeof *primitives[p].modes);
+			esk_form_make(&primitives[p], &form);
+			assert_strip(&form, (const esk_strip *)points);
+		}
+	}
+}
+
+static void a_blend_at_a_strip_is_the_composition(void **unused)
+{
+	(void)unused;
+	uint64_t state = 6;
+	for (int n = 0; n < 20; n++) {
 		eskel_primitive primitives[PARTS];
 		esk_composition made;
-		esk_lanes point[3], values, gradients[3];
-		bool is_near[PARTS];
-		double points[ESK_LANES][3];
-		eskel_compose compose = n % 3 == 2 ? ESKEL_COMPOSE_UNION : ESKEL_COMPOSE_BLEND;
-		random_primitives(&state, 0.2, 0.4, primitives);
-		random_points(&state, ESK_LANES, points);
-		for (int l = 0; l < ESK_LANES; l++)
+		esk_strip points[3], values, gradients[3], weights[PARTS];
+		const uint32_t count = n % 4 == 0 ? 1 : PARTS;
+		random_primitives(&state, 0.3, 0.7, primitives);
+		if (n % 2)
+			primitives[2].centre[1] = 300; /* too far off to count */
+		random_strip(&state, points);
+		esk_composition_make(primitives, count, ESKEL_COMPOSE_BLEND, &made);
+		esk_blend_evaluate(&made, (const esk_strip *)points, values, gradients, weights);
+		for (int l = 0; l < ESK_STRIP; l++) {
+			const double point[3] = {points[0][l], points[1][l], points[2][l]};
+			double gradient[3], sum = 0;
+			const double value = esk_composition_gradient(&made, point, gradient);
+			assert_true(fabs(values[l] - value) <= 1e-13 * (1 + fabs(value)));
 			for (int i = 0; i < 3; i++)
-				point[i][l] = points[l][i] * 0.6;
-		esk_composition_make(primitives, PARTS, compose, &made);
-		esk_composition_derive(&made, (const esk_lanes *)point, ESK_PARAMETERS_ALL, 0, values, gradients,
-			is_near, derivatives);
-		for (int l = 0; l < ESK_LANES; l++)
-			for (int p = 0; p < PARTS; p++) {
-				const double at[3] = {point[0][l], point[1][l], point[2][l]};
-				for (int t = 0; t < ESK_PARAMETERS_ALL; t++) {
-					double slope[3];
-					double by = change_of(primitives, p, t, compose, at, slope);
-					if (t == ESK_ALPHA && compose == ESKEL_COMPOSE_UNION)
-						assert_true(by == 0);
-					assert_true(is_near[p]);
-					assert_close(derivatives[p].value_by[t][l], by, 1 + fabs(values[l]),
-						"the value", p, t);
-					for (int i = 0; i < 3; i++)
-						assert_close(derivatives[p].gradient_by[t][i][l], slope[i],
-							10 + fabs(values[l]), "the gradient", p, t);
-				}
-			}
+				assert_true(fabs(gradients[i][l] - gradient[i]) <= 1e-12 * (1 + fabs(gradient[i])));
+			for (uint32_t p = 0; p < count; p++)
+				sum += weights[p][l];
+			assert_true(fabs(sum - 1) <= 1e-14);
+			if (n % 2)
+				assert_true(weights[2][l] == 0);
+		}
 	}
-}
-
-static void classes_far_from_all_points_are_not_derived_by(void **unused)
-{
-	(void)unused;
-	static esk_derivatives derivatives[2];
-	eskel_primitive primitives[2] = {
-		{.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .radii = {1, 1, 1}, .exponents = {1, 1}, .alpha = 1}};
-	esk_composition made;
-	esk_lanes point[3] = {{0}}, values, gradients[3];
-	bool is_near[2];
-	primitives[1] = primitives[0];
-	primitives[1].centre[0] = 9;
-	esk_composition_make(primitives, 2, ESKEL_COMPOSE_BLEND, &made);
-	esk_composition_derive(
-		&made, (const esk_lanes *)point, ESK_PARAMETERS_SMOOTH, 1e-9, values, gradients, is_near, derivatives);
-	assert_true(is_near[0]);
-	assert_false(is_near[1]);
 }
 
 int main(void)
@@ -201,8 +194,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(compositions_are_what_their_definition_says),
 		cmocka_unit_test(a_point_has_the_same_bits_in_any_company),
-		cmocka_unit_test(derivatives_of_a_blend_are_those_of_its_value_and_gradient),
-		cmocka_unit_test(classes_far_from_all_points_are_not_derived_by),
+		cmocka_unit_test(strips_have_the_bits_of_blocks),
+		cmocka_unit_test(a_blend_at_a_strip_is_the_composition),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
