@@ -83,6 +83,11 @@ static bool take_number(void *target, const argument *given, esk_problem *proble
 	return true;
 }
 
+static bool take_seed(void *target, const argument *given, esk_problem *problem)
+{
+	return esk_value_integer(given->name, given->value, 0, given->row->most, target, problem);
+}
+
 static bool take_choice(void *target, const argument *given, esk_problem *problem)
 {
 	return esk_value_choice(given->name, given->value, given->row->choices, target, problem);
@@ -201,6 +206,7 @@ static void set_unsaid(esk_parameters *query)
 	query->compose = ESK_COMPOSE_UNSAID;
 	query->primitive = ESK_PRIMITIVE_UNSAID;
 	query->method = ESK_METHOD_UNSAID;
+	query->seed = -1;
 }
 
 /* NULL when memory ran out. */
@@ -297,6 +303,7 @@ static const struct parameter parameters[] = {
 	{.name = "primitive", .take = take_choice, FIELD(primitive), .choices = primitives},
 	{.name = "q", .take = take_text, FIELD(text)},
 	{.name = "scale", .take = take_choice, FIELD(scale), .choices = scales},
+	{.name = "seed", .take = take_seed, FIELD(seed), .most = INT32_MAX},
 	{.name = "sex", .take = take_sex, FIELD(sex)},
 	{.name = "shape", .take = take_shape, FIELD(shape)},
 	{.name = "side", .take = take_side, FIELD(side)},

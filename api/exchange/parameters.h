@@ -65,6 +65,7 @@ typedef struct esk_parameters {
 	double eye_distance;                                     /* mm; NaN: not given */
 	unsigned mesh_format, frame, source, compose, primitive; /* ESK_MESH_... and so on */
 	unsigned method;                                         /* eskel_fit_method, or ESK_METHOD_UNSAID */
+	int64_t seed;                                            /* -1: not given */
 	unsigned explain;
 	unsigned as_said;               /* names tell nothing */
 	unsigned leave_out;             /* ESK_LEAVE_OUT_... (evaluation.h) */

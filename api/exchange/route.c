@@ -18,10 +18,11 @@ static const char *const enroll[] = {
 	VOLUME, "class", "side", "subject", "age", "sex", "attr.KEY", "levels", "as_said", NULL};
 static const char *const signature[] = {"level", "format/signature", NULL};
 static const char *const volume[] = {"format/volume", NULL};
-static const char *const mesh[] = {"level", "step", "distance/mesh", "primitive", "compose", "format/mesh", "frame", "source", NULL};
+static const char *const mesh[] = {
+	"level", "step", "distance/mesh", "primitive", "compose", "format/mesh", "frame", "source", NULL};
 static const char *const ellipsoids[] = {"level", "compose", NULL};
 static const char *const reconstruction[] = {"level", "primitive", NULL};
-static const char *const reconstruct[] = {"level", "primitive", "method", NULL};
+static const char *const reconstruct[] = {"level", "primitive", "method", "seed", NULL};
 static const char *const recognize_shape[] = {"shape", SEARCH, NULL};
 static const char *const recognize_volume[] = {VOLUME, SEARCH, NULL};
 static const char *const calibration[] = {DISTANCE, NULL};

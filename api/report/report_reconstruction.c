@@ -33,6 +33,9 @@ static bool write_one(const json_t *answer, FILE *out, bool colour)
 	esk_table_write_plain(out, esk_report_member(answer, "primitive"));
 	fputs(", fitted by ", out);
 	esk_table_write_plain(out, esk_report_member(answer, "method"));
+	const json_t *seed = json_object_get(answer, "seed");
+	if (seed)
+		fprintf(out, ", seed %lld", (long long)json_integer_value(seed));
 	fprintf(out, "\n%lld bytes: the voxels have %.0f times as many",
 		(long long)json_integer_value(json_object_get(bytes, "surface")),
 		json_number_value(json_object_get(bytes, "volume_ratio")));

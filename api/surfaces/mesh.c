@@ -49,16 +49,15 @@ bool esk_mesh_check(eskel_exchange *exchange)
 	const bool far = !isnan(query->eye_distance), fine = query->level || query->step > 0;
 	if (composed && primitive && query->primitive != ESK_PRIMITIVE_ELLIPSOID)
 		return esk_problem_set(&exchange->problem, 400,
-			"compose is given beside a primitive that is fitted, expected none: it is composed as it was "
-			"fitted");
+			"compose is given beside a primitive that is fitted, expected none: it is composed as it "
+			"was fitted");
 	if (far && fine)
 		return esk_problem_set(&exchange->problem, 400,
 			"distance is given beside level or step, expected none of these: it chooses both");
 	return query->source != ESK_SOURCE_VOXELS || !(fine || far || composed || primitive) ||
 	       esk_problem_set(&exchange->problem, 400,
 		       "level, step, distance, primitive or compose is given beside source=voxels, expected none: "
-		       "voxels "
-		       "are what they are");
+		       "voxels are what they are");
 }
 
 /* ---- the question */

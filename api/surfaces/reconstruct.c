@@ -16,23 +16,43 @@ static const eskel_fit_freedom freedoms[] = {
 	[ESK_PRIMITIVE_ALGEBRAIC] = ESKEL_FIT_DEFORMED, /* which says nothing of it */
 };
 
+/* Of these alone the outcome depends on a seed. */
+static bool is_random(const esk_parameters *query)
+{
+	return query->method == ESKEL_FIT_TABU || query->method == ESKEL_FIT_HOPPING;
+}
+
+static uint64_t seed_of(const esk_parameters *query)
+{
+	return query->seed > 0 ? (uint64_t)query->seed : 0;
+}
+
+static void settle(esk_parameters *query)
+{
+	if (query->primitive == ESK_PRIMITIVE_UNSAID)
+		query->primitive = ESK_PRIMITIVE_DEFORMED;
+	if (query->method == ESK_METHOD_UNSAID)
+		query->method = query->primitive == ESK_PRIMITIVE_ALGEBRAIC ? ESKEL_FIT_LEAST_SQUARES : ESKEL_FIT_JOINT;
+}
+
 bool esk_reconstruction_check(eskel_exchange *exchange)
 {
 	esk_parameters *query = &exchange->query;
-	if (query->primitive == ESK_PRIMITIVE_UNSAID)
-		query->primitive = ESK_PRIMITIVE_DEFORMED;
+	settle(query);
+	const bool algebraic = query->primitive == ESK_PRIMITIVE_ALGEBRAIC;
 	if (query->primitive == ESK_PRIMITIVE_ELLIPSOID)
 		return esk_problem_set(&exchange->problem, 400,
 			"primitive is ellipsoid, expected superquadric, deformed or algebraic: best ellipsoids are "
 			"not fitted");
-	const bool algebraic = query->primitive == ESK_PRIMITIVE_ALGEBRAIC;
-	if (query->method == ESK_METHOD_UNSAID)
-		query->method = algebraic ? ESKEL_FIT_LEAST_SQUARES : ESKEL_FIT_JOINT;
-	return algebraic == (query->method == ESKEL_FIT_LEAST_SQUARES) ||
-	       esk_problem_set(&exchange->problem, 400, "method is %s and primitive is %s, expected %s",
-		       esk_parameters_choice(query, "method"), esk_parameters_choice(query, "primitive"),
-		       algebraic ? "least_squares, which alone fits algebraic surfaces"
-				 : "joint, tabu or hopping: least_squares fits algebraic surfaces");
+	if (algebraic != (query->method == ESKEL_FIT_LEAST_SQUARES))
+		return esk_problem_set(&exchange->problem, 400, "method is %s and primitive is %s, expected %s",
+			esk_parameters_choice(query, "method"), esk_parameters_choice(query, "primitive"),
+			algebraic ? "least_squares, which alone fits algebraic surfaces"
+				  : "joint, tabu or hopping: least_squares fits algebraic surfaces");
+	return query->seed < 0 || is_random(query) ||
+	       esk_problem_set(&exchange->problem, 400,
+		       "seed is given beside method %s, expected tabu or hopping: nothing else is random",
+		       esk_parameters_choice(query, "method"));
 }
 
 /* ---- answering */
@@ -137,6 +157,7 @@ static bool fit(eskel_exchange *exchange, const esk_drawn *drawn, uint32_t level
 	eskel_error error = {0};
 	const eskel_fit_options options = {.method = (eskel_fit_method)exchange->query.method,
 		.freedom = freedoms[exchange->query.primitive],
+		.seed = seed_of(&exchange->query),
 		.threads = ESKEL_THREADS_ONLINE,
 		.progress = tell,
 		.context = exchange};
@@ -151,9 +172,10 @@ static bool summarise(eskel_exchange *exchange, const esk_drawn *drawn, const es
 		return esk_problem_no_memory(&exchange->problem);
 	fitted->level = made->level;
 	fitted->primitive = esk_parameters_choice(&exchange->query, "primitive");
-	fitted->summary = esk_json_text(json_pack("{s:s, s:o, s:o, s:o}", "method",
-		esk_parameters_choice(&exchange->query, "method"), "before", error_json(&made->before), "after",
-		error_json(&made->after), "bytes", bytes_json(drawn, cloud, made->surface, fitted->size)));
+	json_t *seed = is_random(&exchange->query) ? json_integer((json_int_t)seed_of(&exchange->query)) : NULL;
+	fitted->summary = esk_json_text(json_pack("{s:s, s:o*, s:o, s:o, s:o}", "method",
+		esk_parameters_choice(&exchange->query, "method"), "seed", seed, "before", error_json(&made->before),
+		"after", error_json(&made->after), "bytes", bytes_json(drawn, cloud, made->surface, fitted->size)));
 	return fitted->summary || esk_problem_no_memory(&exchange->problem);
 }
 

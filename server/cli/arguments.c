@@ -107,6 +107,7 @@ static const esk_option options[] = {
 		"ellipsoid (default), or superquadric, deformed or algebraic as reconstruct has fitted them"},
 	{"primitive", "KIND", RECONSTRUCT, "primitive", "deformed (default), superquadric or algebraic"},
 	{"method", "NAME", RECONSTRUCT, "method", "joint (default), tabu or hopping; of algebraic ones least_squares"},
+	{"seed", "N", RECONSTRUCT, "seed", "of tabu and hopping, which try at random (0)"},
 	{"compose", "KIND", MESH, "compose", "blend (default) or union of the ellipsoids"},
 	{"format", "FORMAT", MESH, "format", "glb, stl, ply or obj; default: what the output's name says, or else glb"},
 	{"frame", "AXES", MESH, "frame", "ras (right, front, head; default) or lps (left, back, head)"},

@@ -184,6 +184,8 @@ class Commands(Served):
         self.assertRegex(run.stdout, r"\nlevel 3, 3 primitives, algebraic, fitted by least_squares\n")
         self.assert_run(self.eskel("mesh", self.ids["hook_left"], "--level", 3, "--primitive", "algebraic", "--output", path), 0)
         self.assert_run(self.eskel("reconstruct", self.ids["hook_left"], "--primitive", "algebraic", "--method", "tabu"), 1, "least_squares")
+        run = self.eskel("reconstruct", self.ids["hook_left"], "--level", 3, "--method", "tabu", "--seed", 5)
+        self.assertIn("fitted by tabu, seed 5\n", run.stdout)
         self.assert_run(self.eskel("reconstruct", "0" * 32), 1, "there is no shape")
 
     def test_a_matrix_as_a_job_is_waited_for_and_is_what_it_would_be_at_once(self):

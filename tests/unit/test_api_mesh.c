@@ -441,6 +441,30 @@ static void another_fit_takes_the_place_of_the_last_and_goes_with_the_shape(void
 	answer_free(&none);
 }
 
+/* With another seed tabu ends elsewhere. */
+static void a_seed_is_said_and_repeats_a_fit(void **state)
+{
+	const shape s = enroll(state);
+	static const char *const queries[] = {"&method=tabu", "&method=tabu&seed=0", "&method=tabu&seed=7",
+		"&method=tabu&seed=7", "&method=hopping&seed=2147483647", ""};
+	answer fitted[6];
+	for (size_t i = 0; i < 6; i++) {
+		char query[80];
+		snprintf(query, sizeof query, "?level=2&primitive=superquadric%s", queries[i]);
+		reconstruct(&s, query);
+		fitted[i] = get(s.f->api, "/shapes/%s/reconstruction?level=2&primitive=superquadric", s.id);
+	}
+	assert_true(number_at(&fitted[0], "seed") == 0);
+	assert_true(json_equal(fitted[0].json, fitted[1].json));
+	assert_true(number_at(&fitted[2], "seed") == 7);
+	assert_true(json_equal(fitted[2].json, fitted[3].json));
+	assert_false(json_equal(at(&fitted[0], "primitives"), at(&fitted[2], "primitives")));
+	assert_true(number_at(&fitted[4], "seed") == 2147483647);
+	assert_null(json_object_get(fitted[5].json, "seed"));
+	for (size_t i = 0; i < 6; i++)
+		answer_free(&fitted[i]);
+}
+
 static void algebraic_surfaces_are_fitted_stored_and_drawn(void **state)
 {
 	const shape s = enroll(state);
@@ -493,7 +517,10 @@ static void what_cannot_be_fitted_is_refused(void **state)
 	assert_says(&deep, 400, "level is 17, expected 1 to 16");
 	answer joint = post_reconstruction(&s, "?primitive=algebraic&method=joint"),
 	       squares = post_reconstruction(&s, "?method=least_squares"),
-	       compose = get_mesh(&s, "?primitive=algebraic&compose=union");
+	       compose = get_mesh(&s, "?primitive=algebraic&compose=union"), seed = post_reconstruction(&s, "?seed=1"),
+	       negative = post_reconstruction(&s, "?method=tabu&seed=-1");
+	assert_says(&seed, 400, "seed is given beside method joint, expected tabu or hopping");
+	assert_says(&negative, 400, "seed is \\\"-1\\\", expected a whole number from 0 to 2147483647");
 	assert_says(&joint, 400, "method is joint and primitive is algebraic, expected least_squares");
 	assert_says(
 		&squares, 400, "method is least_squares and primitive is deformed, expected joint, tabu or hopping");
@@ -512,6 +539,8 @@ static void what_cannot_be_fitted_is_refused(void **state)
 	answer_free(&joint);
 	answer_free(&squares);
 	answer_free(&compose);
+	answer_free(&seed);
+	answer_free(&negative);
 	answer_free(&reader);
 	answer_free(&first);
 	answer_free(&second);
@@ -534,6 +563,7 @@ int main(void)
 		api_test(what_cannot_be_drawn_is_refused),
 		api_test(a_fit_is_a_job_and_is_stored),
 		api_test(another_fit_takes_the_place_of_the_last_and_goes_with_the_shape),
+		api_test(a_seed_is_said_and_repeats_a_fit),
 		api_test(algebraic_surfaces_are_fitted_stored_and_drawn),
 		api_test(what_cannot_be_fitted_is_refused),
 	};

@@ -338,6 +338,21 @@ static void an_ellipsoid_is_its_own_algebraic_surface(void **state)
 	clear_fixture(&f);
 }
 
+static void assert_is_drawn(const eskel_reconstruction *r, double volume)
+{
+	eskel_mesh *mesh = NULL;
+	eskel_mesh_check_result check;
+	eskel_error error = {0};
+	if (eskel_surface_mesh(r->surface, 1, 0, &mesh, &error))
+		fail_msg("%s", error.text);
+	assert_int_equal(eskel_mesh_check(mesh, &check), ESKEL_OK);
+	assert_true(check.is_manifold);
+	const double ratio = eskel_mesh_volume(mesh) / volume;
+	if (fabs(ratio - r->after.volume_ratio) > 0.03)
+		fail_msg("volume ratio %g of the mesh, %g of the voxels", ratio, r->after.volume_ratio);
+	eskel_mesh_free(mesh);
+}
+
 /* Sheets would be far from the boundary, which is not far from them. */
 static void algebraic_surfaces_gain_at_every_level_without_sheets(void **state)
 {
@@ -351,6 +366,7 @@ static void algebraic_surfaces_gain_at_every_level_without_sheets(void **state)
 		assert_int_equal(eskel_surface_composition(r->surface), ESKEL_COMPOSE_UNION);
 		assert_true(a->mean_error < 0.7 * b->mean_error && a->dice > b->dice);
 		assert_true(a->mean_distance < 1.4 * a->mean_error);
+		assert_is_drawn(r, f.skeleton->volume);
 		eskel_reconstruction_free(r);
 	}
 	clear_fixture(&f);
