@@ -43,13 +43,19 @@ static inline double esk_ellipsoid_value(const esk_ellipsoid *e, const double po
 	return esk_triple_dot(unit, unit) - 1;
 }
 
+/* Half the gradient of f, where the unit is that of a point. */
+static inline void esk_ellipsoid_normal(const esk_ellipsoid *e, const double unit[3], double normal[3])
+{
+	for (int i = 0; i < 3; i++)
+		normal[i] = unit[0] * e->duals[0][i] + unit[1] * e->duals[1][i] + unit[2] * e->duals[2][i];
+}
+
 /* f, and half its gradient. */
 static inline double esk_ellipsoid_slope(const esk_ellipsoid *e, const double point[3], double slope[3])
 {
 	double unit[3];
 	esk_ellipsoid_unit(e, point, unit);
-	for (int i = 0; i < 3; i++)
-		slope[i] = unit[0] * e->duals[0][i] + unit[1] * e->duals[1][i] + unit[2] * e->duals[2][i];
+	esk_ellipsoid_normal(e, unit, slope);
 	return esk_triple_dot(unit, unit) - 1;
 }
 

@@ -124,14 +124,11 @@ static double volume(const double a[3], const double b[3], const double c[3], co
 	return esk_triple_dot(u, across);
 }
 
-/* Whether a triangle and the edge from p to q have a point in common; not where they lie in a plane. */
-static bool is_pierced(const work *w, const uint32_t corners[3], uint32_t p, uint32_t q)
+/* Whether the line through p and q goes through a triangle. */
+static bool goes_through(const work *w, const uint32_t corners[3], uint32_t p, uint32_t q)
 {
 	const double *a = w->points[corners[0]], *b = w->points[corners[1]], *c = w->points[corners[2]];
 	const double *from = w->points[p], *to = w->points[q];
-	const double before = volume(a, b, c, from), after = volume(a, b, c, to);
-	if ((before > 0 && after > 0) || (before < 0 && after < 0))
-		return false;
 	const double x = volume(from, to, a, b), y = volume(from, to, b, c), z = volume(from, to, c, a);
 	return (x >= 0 && y >= 0 && z >= 0) || (x <= 0 && y <= 0 && z <= 0);
 }
@@ -141,12 +138,23 @@ static bool has_corner(const uint32_t corners[3], uint32_t v)
 	return corners[0] == v || corners[1] == v || corners[2] == v;
 }
 
-/* Whether an edge of a, with no end in common with b, goes through b. */
+static bool have_same_sign(double a, double b)
+{
+	return (a > 0 && b > 0) || (a < 0 && b < 0);
+}
+
+/* Whether an edge of a, with no end in common with b, goes through b, or touches it. */
 static bool pierces(const work *w, const uint32_t a[3], const uint32_t b[3])
 {
+	double sides[3]; /* of the plane of b */
+	for (int k = 0; k < 3; k++)
+		sides[k] = has_corner(b, a[k])
+				   ? 0
+				   : volume(w->points[b[0]], w->points[b[1]], w->points[b[2]], w->points[a[k]]);
 	for (int k = 0; k < 3; k++) {
-		const uint32_t p = a[k], q = a[(k + 1) % 3];
-		if (!has_corner(b, p) && !has_corner(b, q) && is_pierced(w, b, p, q))
+		const int next = (k + 1) % 3;
+		if (!has_corner(b, a[k]) && !has_corner(b, a[next]) && !have_same_sign(sides[k], sides[next]) &&
+			goes_through(w, b, a[k], a[next]))
 			return true;
 	}
 	return false;
@@ -205,16 +213,16 @@ static eskel_status check_pair(
 	return status;
 }
 
-static eskel_status check_pairs(work *w, const esk_patch *patches, const double *edges, size_t count)
+static eskel_status check_pairs(work *w, const esk_patch *patches, const double *edges, size_t count, size_t seams)
 {
 	eskel_status status = ESKEL_OK;
 	for (size_t a = 0; a < count && !status; a++)
 		for (size_t b = a + 1; b < count && !status; b++)
-			status = check_pair(w, &patches[a], edges[a], &patches[b], edges[b], patches[0].first_vertex);
+			status = check_pair(w, &patches[a], edges[a], &patches[b], edges[b], seams);
 	return status;
 }
 
-eskel_status esk_patches_check(const eskel_mesh *mesh, const esk_patch *patches, size_t count)
+eskel_status esk_patches_check(const eskel_mesh *mesh, const esk_patch *patches, size_t count, size_t seams)
 {
 	double edges[ESKEL_LEVELS_MAX];
 	work w = {.mesh = mesh,
@@ -227,7 +235,7 @@ eskel_status esk_patches_check(const eskel_mesh *mesh, const esk_patch *patches,
 				w.points[v][i] = mesh->vertices[v][i];
 		for (size_t p = 0; p < count; p++)
 			edges[p] = longest_edge(&w, &patches[p]);
-		status = check_pairs(&w, patches, edges, count);
+		status = check_pairs(&w, patches, edges, count, seams);
 	}
 	free(w.points);
 	free(w.near);

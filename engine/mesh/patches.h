@@ -6,15 +6,14 @@
 
 #include <stddef.h>
 
-/* The part of a mesh that an ellipsoid gave: its triangles, with corners on the ellipsoid, and its own vertices. Those of
- * creases come before all others. */
+/* The part of a mesh that an ellipsoid gave: its triangles, with corners on the ellipsoid, and its own vertices. */
 typedef struct {
 	const esk_ellipsoid *ellipsoid;
 	size_t first_triangle, triangle_count, first_vertex, vertex_count;
 } esk_patch;
 
-/* ESKEL_NUMERIC if any cross, or touch but in corners or edges that they share, or a vertex lies inside of another one's
+/* The first seams vertices are those of creases. ESKEL_NUMERIC if any cross, or touch but in corners or edges that they share, or a vertex lies inside of another one's
  * ellipsoid. */
-eskel_status esk_patches_check(const eskel_mesh *mesh, const esk_patch *patches, size_t count);
+eskel_status esk_patches_check(const eskel_mesh *mesh, const esk_patch *patches, size_t count, size_t seams);
 
 #endif

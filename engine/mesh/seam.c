@@ -12,7 +12,8 @@ static const double least_sine = 1e-5;
 
 bool esk_seam_settle(const esk_ellipsoid *a, const esk_ellipsoid *b, double point[3])
 {
-	const double small = 1e-14 * (a->radii[2] + b->radii[2]);
+	/* It converges quadratically: the step after such a one is one of rounding. */
+	const double small = 1e-8 * (a->radii[2] + b->radii[2]);
 	for (int i = 0; i < NEWTON_MOST; i++) {
 		/* The least move d with 2 slope . d = -f for both: a combination of the slopes. */
 		double u[3], v[3], square = 0;
@@ -27,8 +28,7 @@ bool esk_seam_settle(const esk_ellipsoid *a, const esk_ellipsoid *b, double poin
 			point[k] += d;
 			square += d * d;
 		}
-		/* It converges quadratically. */
-		if (square < small * small * 1e12)
+		if (square < small * small)
 			return true;
 	}
 	return false;

@@ -101,8 +101,10 @@ static sample sample_at(const esk_ellipsoid *e, const double point[3], const dou
 /* Between two points where the potential has the same sign and an extremum of the other one may lie between them. */
 static bool cross_twice(work *w, size_t i, bool inside)
 {
-	double low = (double)i, high = (double)i + 1, point[3], way[3];
-	for (int k = 0; k < HALVINGS; k++) {
+	const double *from = w->curve->points[i], *to = w->curve->points[(i + 1) % w->curve->count];
+	const double chord[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+	double low = (double)i, high = (double)i + 1, point[3], way[3], length = 2 * esk_triple_length(chord);
+	for (int k = 0; k < HALVINGS; k++, length /= 2) {
 		const double middle = (low + high) / 2;
 		if (!find_between(w, middle, point) || !esk_seam_way(w->a, w->b, point, way))
 			return false;
@@ -110,6 +112,9 @@ static bool cross_twice(work *w, size_t i, bool inside)
 		if ((s.value < 0) != inside)
 			return add_crossing(w, (double)i, middle, !inside) &&
 			       add_crossing(w, middle, (double)i + 1, inside);
+		/* The potential falls less and less fast, so that it cannot come to 0 any more. */
+		if (fabs(s.value) > 2 * fabs(s.slope) * length)
+			return true;
 		if ((s.slope < 0) != inside)
 			low = middle;
 		else

@@ -99,21 +99,39 @@ static bool should_flip(const esk_shell *shell, uint32_t h)
 
 void esk_shell_improve(esk_shell *shell, uint32_t v)
 {
-	enum { DEEPEST = 8 };
-	for (int round = 0; round < DEEPEST; round++) {
-		bool changed = false;
-		uint32_t h = shell->leaving[v], first = h;
-		do {
-			const uint32_t edges[2] = {h, esk_shell_next(h)};
-			for (int k = 0; k < 2 && !changed; k++)
-				if (should_flip(shell, edges[k])) {
-					esk_shell_flip(shell, edges[k]);
-					changed = true;
-				}
+	uint32_t h = shell->leaving[v], first = h;
+	do {
+		const uint32_t next = esk_shell_turn(shell, h);
+		if (should_flip(shell, h)) {
+			esk_shell_flip(shell, h);
+			first = next;
+		}
+		h = next;
+	} while (h != first);
+}
+
+/* Flips the edges opposite to a vertex for the better: each gives it an edge more. */
+static void spread(esk_shell *shell, uint32_t v)
+{
+	enum { EDGES_MOST = 32 };
+	uint32_t h = shell->leaving[v];
+	const uint32_t first = h;
+	int edges = 0, good = 0;
+	do {
+		edges++;
+		h = esk_shell_turn(shell, h);
+	} while (h != first);
+	while (good < edges && edges < EDGES_MOST) {
+		const uint32_t opposite = esk_shell_next(h);
+		if (should_flip(shell, opposite)) {
+			esk_shell_flip(shell, opposite);
+			h = esk_shell_next(opposite); /* the same edge, in another place */
+			edges++;
+			good = 0;
+		} else {
 			h = esk_shell_turn(shell, h);
-		} while (h != first && !changed);
-		if (!changed)
-			break;
+			good++;
+		}
 	}
 }
 
@@ -210,7 +228,7 @@ bool esk_shell_place(esk_shell *shell, uint32_t seam, const double point[3], uin
 	else
 		return false;
 	shell->seams[v] = seam;
-	esk_shell_improve(shell, v);
+	spread(shell, v);
 	*near = shell->leaving[v];
 	return esk_shell_may_move(shell, v, key);
 }

@@ -26,7 +26,7 @@ void esk_shell_move(
 bool esk_shell_may_flip(const esk_shell *shell, uint32_t h);
 /* The edge from a to b becomes that from d to c: h starts in the corner that was opposite to its twin. */
 void esk_shell_flip(esk_shell *shell, uint32_t h);
-/* Flips the edges of the triangles around a vertex for the better. */
+/* Flips edges of a vertex for the better. */
 void esk_shell_improve(esk_shell *shell, uint32_t vertex);
 
 #endif
