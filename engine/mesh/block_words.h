@@ -21,6 +21,11 @@ static inline int esk_slot_of(int mask, bool back)
 	return mask == 0 ? ESK_OWN : mask - 1 + (back ? 7 : 0);
 }
 
+static inline int esk_slot_opposite(int slot)
+{
+	return slot < 7 ? slot + 7 : slot - 7;
+}
+
 /* From words by slot, those around a node by slot: bit n of near[s] is that of the node's neighbour in slot s. */
 static inline void esk_words_gather(const uint64_t words[ESK_AROUND], bool back, uint64_t near[ESK_AROUND])
 {

@@ -1,5 +1,6 @@
-/* For one of the six tetrahedra of a cube after the other, all cubes of a block at once: which of them the surface crosses is a
- * word of bits. What is crossed has its polygon in a table, by which of its corners are inside, and which snapped. */
+/* For one of the six tetrahedra of a cube after the other, all cubes of a block at once: which of them the surface
+ * crosses is a word of bits. What is crossed has its polygon in a table, by which of its corners are inside, and which
+ * snapped. */
 #include "cells.h"
 
 #include "lanes.h"
@@ -109,8 +110,8 @@ ESK_IN_LANES uint64_t two_of(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
 
 /* The cubes of a block of which a tetrahedron has a polygon.
  *
- * All of its corners are active, for one has another sign, or all but one, where these are snapped and the one is inside as they
- * were: so the blocks of any two of them know of each other, and no word of another block is missed. The polygon has an area,
+ * Its corners are all active, where their signs differ; or all but one, where that one is inside and the others too, but
+ * snapped. So of any two of them, the blocks know of each other, and no word is missed. And the polygon has an area,
  * unless the corners outside are all snapped and more than one is inside: they shrink it to an edge or a vertex. */
 ESK_IN_LANES void find_crossed(const neighbourhood *n, const esk_tetrahedron *t, crossed_cubes *cubes)
 {
@@ -233,8 +234,8 @@ bool esk_cells_make(const esk_lattice *lattice, const esk_star *star, size_t ver
 {
 	work w = {.lattice = lattice, .star = star, .positions = positions, .cells = cells};
 	make_crossings(&w);
-	bool good = reserve(
-		cells, 2 * vertex_count); /* Euler: 2 more, or less by 2 for each component or more for each handle */
+	/* Euler's formula, but for 4 a component less or a handle more, and a block that is taken for one of quadrangles. */
+	bool good = reserve(cells, 2 * vertex_count + 2 * ESK_TETRAHEDRA * ESK_PLACES);
 	for (size_t b = 0; b < lattice->block_count && good; b++)
 		good = add_block(&w, (uint32_t)b);
 	return good;

@@ -2,9 +2,9 @@
  *
  * A node is active when the field has another sign at a neighbour. Starting from active nodes, the neighbours of each are
  * evaluated, and those of the other sign are active too: for all nodes of a block at once, as a block's neighbourhood is
- * words of bits. In a tetrahedron that the surface crosses, the edges that it cuts are connected, and so they are from one
- * to the next: each connected piece of the surface is followed whole, and each value is computed once, no further than two
- * edges from the surface. */
+ * words of bits, and within a block as far as the surface goes there before others are looked at. In a tetrahedron that the
+ * surface crosses, the edges that it cuts are connected, and so they are from one to the next: each connected piece of the
+ * surface is followed whole, and each value is computed once, no further than two edges from the surface. */
 #ifndef ESK_CONTINUATION_H
 #define ESK_CONTINUATION_H
 

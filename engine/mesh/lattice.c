@@ -11,8 +11,7 @@ enum {
 	KEY_BITS = 21,
 	BATCH = 256,           /* points of a call: they and their values fit into the nearest cache */
 	MOST_BLOCKS = 1 << 26, /* numbers of nodes have 32 bits */
-	/* Room made at once for the blocks of some 200,000 triangles: where nothing is written it costs no memory, but to grow costs
-	 * a copy. */
+	/* Room made at once, for some 200,000 triangles: what is not written to costs no memory, to grow a copy. */
 	FIRST_BLOCKS = 1 << 14,
 	FIRST_TABLE = 1 << 12,
 };
@@ -176,7 +175,7 @@ static bool find_next_block(esk_lattice *l, uint32_t block, int slot, uint32_t *
 	if (!find_block(l, at, next))
 		return false;
 	l->blocks[block].around[slot] = *next;
-	l->blocks[*next].around[slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS] = block;
+	l->blocks[*next].around[esk_slot_opposite(slot)] = block;
 	return true;
 }
 

@@ -2,7 +2,7 @@
  *
  * The surface is followed (continuation.h), nodes next to it are snapped to it (snapping.h), and each tetrahedron with nodes
  * inside and outside gives a triangle or a quadrangle, whose corners lie on its edges: a vertex is a cut of an edge, or a
- * snapped node. Vertices are found on their edges (roots.h); then quadrangles are divided along the shorter diagonal.
+ * snapped node. Vertices are numbered and placed on their edges (vertices.h); then come the triangles (cells.h).
  *
  * In a row of tetrahedra that share a face, each has one edge of the mesh in it: the mesh is closed and a manifold whatever
  * the field is, and its triangles are oriented as the tetrahedra are. */

@@ -1,5 +1,6 @@
-/* A cubic through four values of the lattice tells where the surface is, so that the field is evaluated once on most edges,
- * with its gradient, which gives one step of Newton's method and the normal. Edges are moved to the front as others settle. */
+/* A cubic through four values of the lattice tells where the surface is, so that the field is evaluated once on most
+ * edges, with its gradient, which gives one step of Newton's method and the normal. Edges are moved to the front as others
+ * settle. */
 #include "roots.h"
 
 #include "lanes.h"
@@ -10,8 +11,8 @@
 
 enum { ROUNDS = 12 }; /* bisection alone comes to 2e-4 of an edge */
 
-/* Of an edge. After a step of Newton's method that is no longer, what is left is the square of it, times half of the edge over
- * the radius of curvature, and the gradient has turned by it times as much. */
+/* Of an edge. After a step of Newton's method that is no longer, what is left is its square, times about half of the edge
+ * over the radius of curvature, and the normal turns on the way by about the step over that radius. */
 static const double settled_change = 2e-3;
 
 typedef struct {

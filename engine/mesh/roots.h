@@ -6,8 +6,8 @@
 
 enum { ESK_ROOTS_MOST = 128 }; /* so that all that is known of them fits into the nearest cache */
 
-/* Edges, and the values of the field at the ends and as far beyond them: before, inside, where it is below 0, outside, where it
- * is at least 0, and after. */
+/* Edges, and the values of the field at the ends and as far beyond them: before, inside, where it is below 0, outside,
+ * where it is at least 0, and after. */
 typedef struct {
 	double inside[3][ESK_ROOTS_MOST],
 		along[3][ESK_ROOTS_MOST]; /* by axis: an end, and the way from it to the other */

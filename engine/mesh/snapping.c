@@ -18,9 +18,9 @@ static const float edge_slopes[ESK_NEIGHBOURS] = {1 / SHORT, 1 / SHORT, 1 / LONG
 static const float near_parts[ESK_DIRECTIONS] = {
 	NEAR_SHORT, NEAR_SHORT, NEAR_LONG, NEAR_SHORT, NEAR_LONG, NEAR_LONG, NEAR_SHORT};
 
-/* Of the edge of a direction that is cut from a place in a block on, marks the end elsewhere if the cut is near to it, and tells
- * the one here as a bit. Values are as far from 0 as, to first order, the ends are from the cut. No branch, which no processor
- * foresees. */
+/* Of a cut edge from a place in a block, in a direction: marks the other end if the cut is near to it, and tells as a bit
+ * if it is near to the place. Values are as far from 0 as, to first order, the ends are from the cut. Without a branch,
+ * which no processor would foresee. */
 ESK_IN_LANES uint64_t snap_ends(const esk_lattice *l, esk_block *const around[ESK_AROUND], int place, int direction)
 {
 	esk_block *next = around[l->next_slots[place][direction]];

@@ -20,8 +20,8 @@
 
 /* Sets the words ESK_SNAPPED and ESK_FILLED of all blocks. */
 void esk_snap(esk_lattice *lattice, const esk_star *star);
-/* The slot of the edge from a place in a block on which the surface is nearest, as the field changes most by length: of a set of
- * slots, in which neighbours are on the other side. */
+/* The slot of the edge from a place in a block on which the surface is nearest, as the field changes most by length: of a
+ * set of slots, in which neighbours are on the other side. */
 int esk_snap_slot(const esk_lattice *lattice, esk_block *const around[ESK_AROUND], int place, unsigned cut);
 
 #endif

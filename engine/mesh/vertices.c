@@ -1,5 +1,5 @@
-/* Vertices are numbered by block, direction of the edge, and place, those of snapped nodes last: a number is that of the first
- * one of its kind in the block, and the count of bits below its own. */
+/* Vertices are numbered by block, direction of the edge, and place, those of snapped nodes last: a number is that of the
+ * first one of its kind in the block, and the count of bits below its own. */
 #include "vertices.h"
 
 #include "lanes.h"
@@ -78,12 +78,12 @@ static void place_roots(work *w)
 	w->count = 0;
 }
 
-/* The vertex on the edge from a place in a block to the neighbour in a slot. Ends of cut edges are active, and so all of their
- * neighbours known. */
+/* The vertex on the edge from a place in a block to the neighbour in a slot. Ends of cut edges are active, and so all of
+ * their neighbours known. */
 static void add_root(work *w, esk_block *const around[ESK_AROUND], int place, int slot)
 {
 	const esk_lattice *l = w->lattice;
-	const int back = slot < ESK_DIRECTIONS ? slot + ESK_DIRECTIONS : slot - ESK_DIRECTIONS;
+	const int back = esk_slot_opposite(slot);
 	const uint8_t *slots = l->next_slots[place], *places = l->next_places[place];
 	const esk_block *block = around[ESK_OWN], *next = around[slots[slot]];
 	const bool outside = !(block->words[ESK_INSIDE] >> place & 1);

@@ -1,5 +1,5 @@
-/* Blocks of eight points, one a lane, a few blocks together. Terms of a blend below exp(-LEAST) of the greatest are left out, which no double would
- * show; a class with no other ones in a block costs its potential alone. */
+/* Blocks of eight points, one a lane, a few blocks together. Terms of a blend below exp(-LEAST) of the greatest are left
+ * out, which no double would show; a class with no other ones in these blocks costs its potential alone. */
 #include "composition.h"
 
 #include "elementary.h"

@@ -11,8 +11,8 @@ typedef struct {
 	/* The value at a point, and its gradient, 1/mm. */
 	double (*gradient)(const void *context, const double point[3], double gradient[3]);
 	/* The values and gradients at many points at once; NULL: one by one. */
-	void (*gradients)(const void *context, size_t count, const double (*points)[3], double *values,
-		double (*gradients)[3]);
+	void (*gradients)(
+		const void *context, size_t count, const double (*points)[3], double *values, double (*gradients)[3]);
 } esk_field;
 
 #endif

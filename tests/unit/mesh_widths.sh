@@ -1,6 +1,6 @@
 #!/bin/sh
-# Whatever vectors a mesh is made with, its bytes are the same: mesh_widths.sh PROGRAM..., of print_width.c, the first for any
-# processor.
+# Whatever vectors a mesh is made with, its bytes are the same: mesh_widths.sh PROGRAM..., of print_width.c, the first for
+# any processor.
 set -u
 expected=$($1) || exit 1
 echo "$expected"

@@ -1,5 +1,5 @@
-/* A sum over all bytes of the meshes of a blend and of a union: print_width. Compiled for each width of vectors that the engine
- * chooses from when it is loaded; 77 where the processor does not have this one. */
+/* A sum over all bytes of the meshes of a blend and of a union: print_width. Compiled for each width of vectors that the
+ * engine chooses from when it is loaded; 77 where the processor does not have this one. */
 #include "composition.h"
 #include "polygonise.h"
 #include "synthetic.h"
