@@ -45,8 +45,7 @@ ESK_EVERY_WIDTH static bool counts(double alpha, const esk_strip floor, const es
 /* From potentials to exponents. */
 ESK_EVERY_WIDTH static void scale(double alpha, esk_strip exponents, esk_strip least)
 {
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		exponents[l] *= alpha;
 		least[l] = exponents[l] < least[l] ? exponents[l] : least[l];
 	}
@@ -55,8 +54,7 @@ ESK_EVERY_WIDTH static void scale(double alpha, esk_strip exponents, esk_strip l
 /* From exponents to terms of the sum. */
 ESK_EVERY_WIDTH static void add_terms(esk_strip exponents, const esk_strip least, esk_strip sum)
 {
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		const double above = exponents[l] - least[l];
 		const double term = esk_elementary_exp_double(above < least_exponent ? -above : -least_exponent);
 		exponents[l] = above < least_exponent ? term : 0;
@@ -68,8 +66,7 @@ ESK_EVERY_WIDTH static void add_terms(esk_strip exponents, const esk_strip least
 ESK_EVERY_WIDTH static void weigh(
 	double alpha, const esk_strip sum, const esk_strip part[3], esk_strip weights, esk_strip gradients[3])
 {
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		weights[l] /= sum[l];
 		for (int r = 0; r < 3; r++)
 			gradients[r][l] += weights[l] * alpha * part[r][l];
@@ -78,16 +75,15 @@ ESK_EVERY_WIDTH static void weigh(
 
 ESK_EVERY_WIDTH static void take_logarithms(const esk_strip least, const esk_strip sum, esk_strip values)
 {
-	ESK_EACH_OF_STRIP(l)
-	values[l] = least[l] - esk_elementary_log(sum[l]);
+	ESK_EACH_OF_STRIP (l)
+		values[l] = least[l] - esk_elementary_log(sum[l]);
 }
 
 /* Of the only class that counts: as above, where exp(0) is 1 and its logarithm 0. */
 ESK_EVERY_WIDTH static void take_one(
 	double alpha, const esk_strip part[3], esk_strip weights, esk_strip values, esk_strip gradients[3])
 {
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		values[l] = weights[l];
 		weights[l] = 1;
 		for (int r = 0; r < 3; r++)

@@ -147,8 +147,7 @@ static double sum_lanes(const double *lanes)
 /* From values and gradients to residuals; the squares, a sum in each lane. */
 ESK_EVERY_WIDTH static void take_residuals(strip *s, double length, esk_lanes squares)
 {
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		const double x = s->gradients[0][l], y = s->gradients[1][l], z = s->gradients[2][l];
 		const double far = s->values[l] / length;
 		s->roots[l] = sqrt(x * x + y * y + z * z + far * far + 1e-300);

@@ -1,6 +1,7 @@
 /* The potential of a superquadric is a chain of three logarithms and three exponentials, each of which waits for the one
  * before, and processors look ahead no further than to the next block of eight points. Here each link of the chain is a loop
- * of its own over the whole strip, so that eight blocks are under way at once. */
+ * of its own over the whole strip, so that eight blocks are under way at once. Loops that follow the chain of maps call a
+ * function for it: of a chain declared in the loop itself gcc makes an array over lanes, and no vector code. */
 #include "strip.h"
 
 #include "chain.h"
@@ -37,8 +38,8 @@ ESK_IN_LANES void turn_lane(const esk_form *form, const esk_strip p[3], esk_stri
 ESK_EVERY_WIDTH static void turn(const esk_form *form, esk_strip_place *place)
 {
 	const esk_strip *point = place->point;
-	ESK_EACH_OF_STRIP(l)
-	turn_lane(form, point, place, l);
+	ESK_EACH_OF_STRIP (l)
+		turn_lane(form, point, place, l);
 }
 
 ESK_IN_LANES esk_chain follow(
@@ -67,16 +68,16 @@ ESK_IN_LANES void pull_lane(const esk_form *form, const esk_strip point[3], cons
 #define EACH_STEPS(form, call) \
 	switch ((form)->steps) { \
 	case ESK_RIGID: \
-		ESK_EACH_OF_STRIP(l) \
-		call(ESK_RIGID); \
+		ESK_EACH_OF_STRIP (l) \
+			call(ESK_RIGID); \
 		break; \
 	case ESK_BENT: \
-		ESK_EACH_OF_STRIP(l) \
-		call(ESK_BENT); \
+		ESK_EACH_OF_STRIP (l) \
+			call(ESK_BENT); \
 		break; \
 	case ESK_WARPED: \
-		ESK_EACH_OF_STRIP(l) \
-		call(ESK_WARPED); \
+		ESK_EACH_OF_STRIP (l) \
+			call(ESK_WARPED); \
 		break; \
 	}
 
@@ -106,8 +107,8 @@ void esk_strip_locate(const esk_form *form, const esk_strip point[3], esk_strip_
 
 ESK_IN_LANES void take_logarithms(const esk_strip u, esk_strip logarithms)
 {
-	ESK_EACH_OF_STRIP(l)
-	logarithms[l] = esk_elementary_log(u[l] * u[l] + ESK_ROUNDING);
+	ESK_EACH_OF_STRIP (l)
+		logarithms[l] = esk_elementary_log(u[l] * u[l] + ESK_ROUNDING);
 }
 
 typedef struct {
@@ -117,10 +118,9 @@ typedef struct {
 ESK_IN_LANES void take_norms(const esk_strip log_u, const esk_strip log_v, double e, norms *n)
 {
 	esk_strip least;
-	ESK_EACH_OF_STRIP(l)
-	least[l] = esk_log_norm_least(esk_log_norm_ratio(log_u[l], log_v[l], e));
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l)
+		least[l] = esk_log_norm_least(esk_log_norm_ratio(log_u[l], log_v[l], e));
+	ESK_EACH_OF_STRIP (l) {
 		const esk_log_norm norm = esk_log_norm_from(log_u[l], log_v[l], e, 0, least[l]);
 		n->log[l] = norm.log;
 		n->share[l] = norm.share;
@@ -139,8 +139,7 @@ ESK_EVERY_WIDTH static void take_superquadric(
 	take_logarithms(u[2], z);
 	take_norms(x, y, form->exponents[0], &across);
 	take_norms(across.log, z, form->exponents[1], &whole);
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		const esk_superquadric s = {.across = {.share = across.share[l], .rest = across.rest[l]},
 			.whole = {.share = whole.share[l], .rest = whole.rest[l]},
 			.size = esk_elementary_exp_double(whole.log[l])};
@@ -151,8 +150,7 @@ ESK_EVERY_WIDTH static void take_superquadric(
 
 ESK_EVERY_WIDTH static void take_ball(const esk_strip u[3], esk_strip values, esk_strip gradients[3])
 {
-	ESK_EACH_OF_STRIP(l)
-	{
+	ESK_EACH_OF_STRIP (l) {
 		const esk_jet ball = esk_sphere_jet(at(u, l));
 		values[l] = ball.value;
 		put(ball.gradient, gradients, l);
