@@ -187,7 +187,10 @@ eskel_status eskel_surface_fit(const eskel_cloud *cloud, const eskel_skeleton *s
 	if (!status)
 		status = esk_surface_error_measure(made->surface, boundary, team, &made->after);
 	if (status) {
-		esk_error_set(error, status, "level %u was not fitted: %s", level, eskel_status_text(status));
+		esk_error_set(error, status, "level %u was not fitted: %s", level,
+			status == ESKEL_TOO_LARGE
+				? "the surface ran far away from the voxels; another method, seed or level may not"
+				: eskel_status_text(status));
 		eskel_reconstruction_free(made);
 	} else {
 		made->level = level;

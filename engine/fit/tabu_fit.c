@@ -10,7 +10,6 @@
 #include "memory.h"
 #include "normal_equations.h"
 #include "random.h"
-#include "triple.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -108,15 +107,6 @@ static vertex walk(search *s)
 	return best;
 }
 
-/* Nothing keeps a descent from a bad start from leading away, to where no point is near and no mesh can be made. */
-static bool is_astray(const eskel_primitive *origin, const eskel_primitive *primitive)
-{
-	double way[3];
-	for (int i = 0; i < 3; i++)
-		way[i] = primitive->centre[i] - origin->centre[i];
-	return !(esk_triple_length(way) <= 2 * origin->radii[0]);
-}
-
 static eskel_status fit_class(const esk_fit_points *points, const esk_tabu_options *options, uint32_t index,
 	const eskel_primitive *origin, eskel_primitive *primitive)
 {
@@ -129,21 +119,16 @@ static eskel_status fit_class(const esk_fit_points *points, const esk_tabu_optio
 		return status;
 	const vertex best = walk(&s);
 	esk_normal_equations_free(s.equations);
-	eskel_primitive ended[2] = {[1] = *origin};
+	eskel_primitive walked, straight = *origin;
 	double costs[2];
-	place(&s, &best, &ended[0]);
+	place(&s, &best, &walked);
 	polish.only_last = true;
-	for (int i = 0; i < 2 && !status; i++)
-		status = esk_joint_fit(points, &polish, 1, origin, &ended[i], &costs[i]);
-	if (status)
-		return status;
-	for (int i = 0; i < 2; i++)
-		if (is_astray(origin, &ended[i])) {
-			ended[i] = *origin;
-			costs[i] = INFINITY;
-		}
-	*primitive = ended[costs[0] <= costs[1] ? 0 : 1];
-	return ESKEL_OK;
+	status = esk_joint_fit(points, &polish, 1, origin, &walked, &costs[0]);
+	if (!status)
+		status = esk_joint_fit(points, &polish, 1, origin, &straight, &costs[1]);
+	if (!status)
+		*primitive = costs[0] <= costs[1] ? walked : straight;
+	return status;
 }
 
 eskel_status esk_tabu_fit(const esk_fit_points *points, const esk_tabu_options *options, uint32_t count,
