@@ -29,8 +29,7 @@ static bool limit(unsigned resource, rlim_t most)
 /* What sets the user id may be refused where a limit of processes is exceeded, so that limit is the last. */
 static bool limit_resources(void)
 {
-	return limit(RLIMIT_AS, (rlim_t)2 << 30) && limit(RLIMIT_CPU, 60) && limit(RLIMIT_FSIZE, 0) &&
-	       limit(RLIMIT_NOFILE, 32) && limit(RLIMIT_CORE, 0);
+	return limit(RLIMIT_CPU, 60) && limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_NOFILE, 32) && limit(RLIMIT_CORE, 0);
 }
 
 static bool drop_rights(void)
@@ -121,5 +120,7 @@ static bool confine_calls(void)
 
 bool esk_confine(const char *program)
 {
-	return limit_resources() && drop_rights() && confine_files(program) && confine_calls();
+	/* The process may have more memory than the program is to have, and can then get none: so late. */
+	return limit_resources() && drop_rights() && confine_files(program) && limit(RLIMIT_AS, (rlim_t)2 << 30) &&
+	       confine_calls();
 }
