@@ -201,38 +201,6 @@ static eskel_reconstruction *fit(const fixture *f, uint32_t level, const eskel_f
 	return r;
 }
 
-static void assert_same_surfaces(const eskel_surface *a, const eskel_surface *b)
-{
-	uint8_t *bytes[2] = {NULL, NULL};
-	size_t sizes[2];
-	assert_int_equal(eskel_surface_encode(a, &bytes[0], &sizes[0]), ESKEL_OK);
-	assert_int_equal(eskel_surface_encode(b, &bytes[1], &sizes[1]), ESKEL_OK);
-	assert_int_equal(sizes[0], sizes[1]);
-	assert_memory_equal(bytes[0], bytes[1], sizes[0]);
-	free(bytes[0]);
-	free(bytes[1]);
-}
-
-static void fits_are_the_same_for_any_number_of_threads(void **state)
-{
-	(void)state;
-	fixture f = make_fixture(small_hamate(&shapes_identity), 4, 100);
-	const eskel_fit_method methods[] = {
-		ESKEL_FIT_JOINT, ESKEL_FIT_TABU, ESKEL_FIT_HOPPING, ESKEL_FIT_LEAST_SQUARES};
-	for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
-		const eskel_fit_options one = {
-			.method = methods[m], .boundary_points = 300, .hops = 1, .tabu_steps = 50};
-		eskel_fit_options three = one;
-		three.threads = 3;
-		eskel_reconstruction *a = fit(&f, 4, &one), *b = fit(&f, 4, &three);
-		assert_same_surfaces(a->surface, b->surface);
-		assert_memory_equal(&a->after, &b->after, sizeof a->after);
-		eskel_reconstruction_free(a);
-		eskel_reconstruction_free(b);
-	}
-	clear_fixture(&f);
-}
-
 static void every_method_gains_and_the_joint_fit_most(void **state)
 {
 	(void)state;
@@ -471,7 +439,6 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_normal_equations_are_those_of_differences),
 		cmocka_unit_test(a_superquadric_is_found_again),
-		cmocka_unit_test(fits_are_the_same_for_any_number_of_threads),
 		cmocka_unit_test(every_method_gains_and_the_joint_fit_most),
 		cmocka_unit_test(fits_of_mirrored_and_moved_shapes_are_as_good),
 		cmocka_unit_test(hopping_is_never_worse),
