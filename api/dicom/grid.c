@@ -11,8 +11,6 @@
 #include "refusal.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 /* In parts of a pixel or of the distance of slices: positions are rounded by their writers. */
@@ -37,20 +35,6 @@ typedef struct {
 static double dot(const double a[3], const double b[3])
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void warn(eskel_volume_info *info, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void warn(eskel_volume_info *info, const char *format, ...)
-{
-	if (info->warning_count == ESKEL_VOLUME_WARNINGS_MAX)
-		return;
-	eskel_warning *warning = &info->warnings[info->warning_count++];
-	va_list arguments;
-	va_start(arguments, format);
-	warning->code = ESKEL_WARNING_SLICE_DISTANCE;
-	vsnprintf(warning->text, sizeof warning->text, format, arguments);
-	va_end(arguments);
 }
 
 static eskel_status find_axes(fitting *f, eskel_error *error)
@@ -148,7 +132,8 @@ static eskel_status place_single_slice(fitting *f, eskel_volume_info *info, eske
 	if (!(f->distance > 0))
 		return esk_refuse(error, ESKEL_BAD_GEOMETRY,
 			"all frames are in one slice, which has neither SpacingBetweenSlices nor SliceThickness");
-	warn(info, "all frames are in one slice: its thickness is taken from the file, %.4g mm", f->distance);
+	eskel_volume_warn(info, ESKEL_WARNING_SLICE_DISTANCE,
+		"all frames are in one slice: its thickness is taken from the file, %.4g mm", f->distance);
 	return ESKEL_OK;
 }
 
@@ -170,10 +155,12 @@ static eskel_status find_slices(fitting *f, eskel_volume_info *info, eskel_error
 			"the slice of frame %u is at %.6g mm, expected slices that are evenly %.4g mm apart",
 			f->levels[worst].frame + 1, f->levels[worst].height - f->levels[0].height, f->distance);
 	if (said > 0)
-		warn(info, "SpacingBetweenSlices is %.4g mm, but the slices are %.4g mm apart, which is taken", said,
+		eskel_volume_warn(info, ESKEL_WARNING_SLICE_DISTANCE,
+			"SpacingBetweenSlices is %.4g mm, but the slices are %.4g mm apart, which is taken", said,
 			f->distance);
 	else if (plane->thickness > 0 && f->distance > 1.5 * plane->thickness)
-		warn(info, "slices are %.4g mm apart and %.4g mm thick: if some are left out, objects are too thick",
+		eskel_volume_warn(info, ESKEL_WARNING_SLICE_DISTANCE,
+			"slices are %.4g mm apart and %.4g mm thick: if some are left out, objects are too thick",
 			f->distance, plane->thickness);
 	return ESKEL_OK;
 }

@@ -208,6 +208,9 @@ typedef struct {
 	eskel_warning warnings[ESKEL_VOLUME_WARNINGS_MAX];
 } eskel_volume_info;
 
+/* Adds a warning, for who describes a volume; of more than there is room for, the first stay. */
+ESKEL_API void eskel_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
 ESKEL_API const eskel_volume_info *eskel_volume_get_info(const eskel_volume *volume);
 /* The labels found, ascending. */
 ESKEL_API size_t eskel_volume_label_count(const eskel_volume *volume);

@@ -30,18 +30,18 @@ static void warn(
 	const esk_winding_counts *counts, double size, double volume, esk_solid_space space, eskel_volume_info *info)
 {
 	const double voxels = size * (double)counts->sum, difference = voxels / volume - 1;
-	esk_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED, "a mesh does not say its unit: millimetres are assumed");
+	eskel_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED, "a mesh does not say its unit: millimetres are assumed");
 	if (space == ESK_SPACE_UNSAID)
-		esk_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
+		eskel_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
 			"the mesh does not say SPACE=RAS or SPACE=LPS: RAS is assumed");
 	if (counts->multiple > 0 || counts->reversed > 0)
-		esk_volume_warn(info, ESKEL_WARNING_SELF_INTERSECTING,
+		eskel_volume_warn(info, ESKEL_WARNING_SELF_INTERSECTING,
 			"of %.4g mm^3 within the mesh, %.3g are enclosed more than once and %.3g inside out: parts "
 			"overlap or the surface crosses itself; all are inside",
 			size * (double)counts->inside, size * (double)counts->multiple,
 			size * (double)counts->reversed);
 	if (fabs(difference) > worth_a_warning)
-		esk_volume_warn(info, ESKEL_WARNING_VOLUME_DIFFERS,
+		eskel_volume_warn(info, ESKEL_WARNING_VOLUME_DIFFERS,
 			"the voxels hold %.4g mm^3, the mesh %.4g, %+.1f %%: a finer spacing follows it closer",
 			fabs(voxels), fabs(volume), 100 * difference);
 }

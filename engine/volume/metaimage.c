@@ -302,7 +302,7 @@ static eskel_status read_spacing(const header_fields *h, double spacing[3], eske
 			return esk_error_set(error, ESKEL_BAD_GEOMETRY, "%s[%d] is %g, expected a positive spacing",
 				key, a, spacing[a]);
 	if (!key)
-		esk_volume_warn(
+		eskel_volume_warn(
 			info, ESKEL_WARNING_UNIT_ASSUMED, "the file has no ElementSpacing; voxels of 1 mm are assumed");
 	return status;
 }
@@ -318,7 +318,7 @@ static eskel_status read_affine(const header_fields *h, eskel_volume_info *info,
 	if (status != ESKEL_OK)
 		return status;
 	if (!h->values[DIRECTIONS].key)
-		esk_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
+		eskel_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
 			"the file has no TransformMatrix: its axes are taken as left, back and head, so left and right "
 			"may be exchanged");
 	for (int r = 0; r < 3; r++) {

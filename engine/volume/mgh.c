@@ -79,10 +79,10 @@ static eskel_status read_affine(const uint8_t *bytes, eskel_volume_info *info, e
 		get_floats(bytes, 42, 9, directions);
 		get_floats(bytes, 78, 3, middle);
 	} else {
-		esk_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
+		eskel_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
 			"the file does not say how it lies: its axes are taken as left, down and front, so left "
 			"and right may be exchanged");
-		esk_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED,
+		eskel_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED,
 			"the file does not say how large its voxels are; voxels of 1 mm are assumed");
 	}
 	for (int a = 0; a < 3; a++)

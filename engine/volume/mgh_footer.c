@@ -135,7 +135,7 @@ static eskel_status assume_names(const esk_label_table *labels, esk_volume_heade
 			status = esk_segments_add_name(&header->segments, labels->items[i].label, name, strlen(name));
 	}
 	if (status == ESKEL_OK && header->segments.count > 0)
-		esk_volume_warn(&header->info, ESKEL_WARNING_NAMES_ASSUMED,
+		eskel_volume_warn(&header->info, ESKEL_WARNING_NAMES_ASSUMED,
 			"the file has no colour table; labels have the names that they have in FreeSurfer's aseg.mgz");
 	return status;
 }
@@ -149,7 +149,7 @@ eskel_status esk_mgh_footer_read(
 	if (status == ESKEL_NO_MEMORY)
 		return esk_error_set(error, status, "memory ran out for the names of labels");
 	if (status == ESKEL_MALFORMED)
-		esk_volume_warn(&header->info, ESKEL_WARNING_NAMES_INCOMPLETE,
+		eskel_volume_warn(&header->info, ESKEL_WARNING_NAMES_INCOMPLETE,
 			"what follows the voxels breaks off or is damaged; %zu label names were read",
 			header->segments.count);
 	return ESKEL_OK;

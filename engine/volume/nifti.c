@@ -286,12 +286,12 @@ static void compare_forms(const fields *f, eskel_volume_info *info)
 {
 	eskel_affine qform;
 	if (qform_affine(f, &qform, NULL) != ESKEL_OK) {
-		esk_volume_warn(info, ESKEL_WARNING_SFORM_QFORM_DISAGREE, "the qform is unusable; the sform is used");
+		eskel_volume_warn(info, ESKEL_WARNING_SFORM_QFORM_DISAGREE, "the qform is unusable; the sform is used");
 		return;
 	}
 	double voxels = largest_distance(&info->affine, &qform, info->extent) / smallest_spacing(&info->affine);
 	if (!(voxels <= form_tolerance_voxels))
-		esk_volume_warn(info, ESKEL_WARNING_SFORM_QFORM_DISAGREE,
+		eskel_volume_warn(info, ESKEL_WARNING_SFORM_QFORM_DISAGREE,
 			"the sform and the qform place a corner of the grid %.3g voxels apart; the sform is used",
 			voxels);
 }
@@ -305,7 +305,7 @@ static void convert_unit(int xyzt_units, eskel_volume_info *info)
 		for (int c = 0; c < 4; c++)
 			info->affine.m[r][c] *= factor;
 	if (unit != metre && unit != millimetre && unit != micron)
-		esk_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED,
+		eskel_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED,
 			"the unit of length is not recorded (%d); mm is assumed", unit);
 }
 
@@ -323,7 +323,7 @@ static eskel_status read_affine(const fields *f, eskel_volume_info *info, eskel_
 		status = check_pixdim(f, error);
 		for (int a = 0; a < 3; a++)
 			info->affine.m[a][a] = f->pixdim[a + 1];
-		esk_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
+		eskel_volume_warn(info, ESKEL_WARNING_NO_ORIENTATION,
 			"the file has neither sform nor qform: its axes are taken as right, front and head, "
 			"so left and right may be exchanged");
 	}
@@ -350,7 +350,7 @@ static eskel_status read_names(source s, const fields *f, size_t size, esk_volum
 	if (status == ESKEL_OK && size < h->data_offset && s.bytes[first] != 0)
 		status = ESKEL_MALFORMED;
 	if (status == ESKEL_MALFORMED) {
-		esk_volume_warn(&h->info, ESKEL_WARNING_NAMES_INCOMPLETE,
+		eskel_volume_warn(&h->info, ESKEL_WARNING_NAMES_INCOMPLETE,
 			"the header extensions break off, are damaged or go on past %zu bytes; %zu label names were "
 			"read",
 			most_name_bytes, h->segments.count);

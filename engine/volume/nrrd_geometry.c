@@ -88,7 +88,7 @@ static eskel_status read_directions(const reading *r, eskel_error *error)
 		m[3] = spaces[space].sign[row] * origin[row];
 	}
 	if (!spaces[space].anatomical)
-		esk_volume_warn(r->info, ESKEL_WARNING_NO_ORIENTATION,
+		eskel_volume_warn(r->info, ESKEL_WARNING_NO_ORIENTATION,
 			"the space \"%s\" does not say where left is: it is taken as %s, so left and right may be "
 			"exchanged",
 			spaces[space].name,
@@ -132,7 +132,7 @@ static eskel_status read_spacings(const reading *r, eskel_error *error)
 	if (status == ESKEL_OK && is_there(r, ESK_NRRD_AXIS_MINS))
 		status = read_axis_mins(r, spacings, error);
 	if (status == ESKEL_OK)
-		esk_volume_warn(r->info, ESKEL_WARNING_NO_ORIENTATION,
+		eskel_volume_warn(r->info, ESKEL_WARNING_NO_ORIENTATION,
 			"the file has no space directions: its axes are taken as right, front and head, so left and "
 			"right may be exchanged");
 	return status;
@@ -185,7 +185,7 @@ static eskel_status convert_units(const reading *r, eskel_error *error)
 				value_of(r, field));
 	if (factors[first] == 0) {
 		if (is_there(r, field) || info->warning_count > 0)
-			esk_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED,
+			eskel_volume_warn(info, ESKEL_WARNING_UNIT_ASSUMED,
 				"the unit of length is not known (%.60s); mm is assumed",
 				is_there(r, field) ? value_of(r, field) : "none is recorded");
 		return ESKEL_OK;

@@ -19,7 +19,7 @@ eskel_status esk_volume_check_extent(const uint32_t extent[3], uint64_t most, es
 		extent[0], extent[1], extent[2], (unsigned long long)voxels, (unsigned long long)most);
 }
 
-void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
+void eskel_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
 {
 	if (info->warning_count == ESKEL_VOLUME_WARNINGS_MAX)
 		return;

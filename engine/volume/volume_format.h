@@ -39,8 +39,4 @@ typedef eskel_status esk_header_reader(
 
 esk_header_reader esk_nifti_read_header, esk_nrrd_read_header, esk_metaimage_read_header, esk_mgh_read_header;
 
-/* Adds a warning; a format gives at most as many as eskel_volume_info holds. */
-void esk_volume_warn(eskel_volume_info *info, eskel_warning_code code, const char *format, ...)
-	__attribute__((format(printf, 3, 4)));
-
 #endif
