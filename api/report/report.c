@@ -36,6 +36,17 @@ const char *esk_report_member(const json_t *object, const char *member)
 	return text && *text ? text : "-";
 }
 
+bool esk_report_each(
+	bool (*write)(const json_t *answer, FILE *out, bool colour), const json_t *answers, FILE *out, bool colour)
+{
+	size_t i;
+	json_t *entry;
+	bool whole = true;
+	json_array_foreach (answers, i, entry)
+		whole = write(json_object_get(entry, "answer"), out, colour) && whole;
+	return whole;
+}
+
 void esk_report_number(esk_table *table, const json_t *object, const char *member, int decimals)
 {
 	const json_t *value = json_object_get(object, member);

@@ -27,6 +27,10 @@ bool esk_report_evaluation_html(const json_t *answers, FILE *out);
 /* The member's text, or "-". */
 const char *esk_report_member(const json_t *object, const char *member);
 
+/* Writes one answer after another; false where one was not written whole. */
+bool esk_report_each(
+	bool (*write)(const json_t *answer, FILE *out, bool colour), const json_t *answers, FILE *out, bool colour);
+
 /* A cell with the member's number, or "-". */
 void esk_report_number(esk_table *table, const json_t *object, const char *member, int decimals);
 

@@ -73,10 +73,5 @@ static bool write_matrix(const json_t *answer, FILE *out, bool colour)
 
 bool esk_report_distances(const json_t *answers, FILE *out, bool colour)
 {
-	size_t i;
-	json_t *entry;
-	bool whole = true;
-	json_array_foreach (answers, i, entry)
-		whole = write_matrix(json_object_get(entry, "answer"), out, colour) && whole;
-	return whole;
+	return esk_report_each(write_matrix, answers, out, colour);
 }

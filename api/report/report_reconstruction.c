@@ -47,10 +47,5 @@ static bool write_one(const json_t *answer, FILE *out, bool colour)
 
 bool esk_report_reconstruction(const json_t *answers, FILE *out, bool colour)
 {
-	size_t i;
-	json_t *entry;
-	bool whole = true;
-	json_array_foreach (answers, i, entry)
-		whole = write_one(json_object_get(entry, "answer"), out, colour) && whole;
-	return whole;
+	return esk_report_each(write_one, answers, out, colour);
 }
