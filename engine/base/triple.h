@@ -9,6 +9,12 @@ static inline double esk_triple_dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static inline void esk_triple_subtract(const double a[3], const double b[3], double out[3])
+{
+	for (int i = 0; i < 3; i++)
+		out[i] = a[i] - b[i];
+}
+
 static inline double esk_triple_length(const double v[3])
 {
 	return sqrt(esk_triple_dot(v, v));

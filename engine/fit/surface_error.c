@@ -136,10 +136,8 @@ static void weigh_vertices(work *w)
 	for (size_t t = 0; t < w->mesh->triangle_count; t++) {
 		const uint32_t *v = w->mesh->triangles[t];
 		double e[3], f[3], across[3];
-		for (int r = 0; r < 3; r++) {
-			e[r] = w->places[v[1]][r] - w->places[v[0]][r];
-			f[r] = w->places[v[2]][r] - w->places[v[0]][r];
-		}
+		esk_triple_subtract(w->places[v[1]], w->places[v[0]], e);
+		esk_triple_subtract(w->places[v[2]], w->places[v[0]], f);
 		esk_triple_cross(e, f, across);
 		for (int c = 0; c < 3; c++)
 			w->to_boundary[v[c]].weight += esk_triple_length(across) / 6;

@@ -115,11 +115,9 @@ static eskel_status list_near(
 static double volume(const double a[3], const double b[3], const double c[3], const double d[3])
 {
 	double u[3], v[3], w[3], across[3];
-	for (int i = 0; i < 3; i++) {
-		u[i] = a[i] - d[i];
-		v[i] = b[i] - d[i];
-		w[i] = c[i] - d[i];
-	}
+	esk_triple_subtract(a, d, u);
+	esk_triple_subtract(b, d, v);
+	esk_triple_subtract(c, d, w);
 	esk_triple_cross(v, w, across);
 	return esk_triple_dot(u, across);
 }

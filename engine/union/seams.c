@@ -168,10 +168,8 @@ static size_t count_edges(const work *w)
 	double turn = 0;
 	for (size_t i = 2; i < w->point_count; i++) {
 		double u[3], v[3], across[3];
-		for (int k = 0; k < 3; k++) {
-			u[k] = w->points[i - 1][k] - w->points[i - 2][k];
-			v[k] = w->points[i][k] - w->points[i - 1][k];
-		}
+		esk_triple_subtract(w->points[i - 1], w->points[i - 2], u);
+		esk_triple_subtract(w->points[i], w->points[i - 1], v);
 		esk_triple_cross(u, v, across);
 		const double size = esk_triple_length(u) * esk_triple_length(v);
 		turn += size > 0 ? esk_triple_length(across) / size : 0;

@@ -13,6 +13,8 @@ enum {
 };
 
 static const double turn_most = 0.7; /* radians between the normals at the ends of an edge */
+/* Of an equilateral triangle with sides of 1: the root of 3, halved. */
+static const double triangle_height = 0.8660254037844386;
 static const double tau = 6.28318530717958647693;
 
 /* Where a share of all edges ends along an arc: the cosine and sine of the angle, for shares of 1 / SPANS. */
@@ -53,7 +55,7 @@ static void look_up(const scale *s, double share, double at[2])
 /* Along a meridian: rings are as far apart as the triangles of an edge are high, and no further than turn_most. */
 static void scale_meridian(const double radii[3], double step, scale *s)
 {
-	const double wide = radii[0] > radii[1] ? radii[0] : radii[1], height = 0.8660254037844386 * step;
+	const double wide = radii[0] > radii[1] ? radii[0] : radii[1], height = triangle_height * step;
 	double angles[SPANS + 1][2], edges[SPANS + 1], before = 0;
 	for (int i = 0; i <= SPANS; i++) {
 		esk_elementary_sine_cosine(tau / 2 * i / SPANS, &angles[i][1], &angles[i][0]);
@@ -217,7 +219,7 @@ static uint32_t count_sides(const esk_ellipsoid *e, const scale *along, const sc
 	look_up(along, (double)r / spans, at);
 	look_up(along, (r + 1.0) / spans, next);
 	const double x = wide * (next[1] - at[1]), z = e->radii[2] * (next[0] - at[0]);
-	const double edge = sqrt(x * x + z * z) / 0.8660254037844386, longest = edge < step ? edge : step;
+	const double edge = sqrt(x * x + z * z) / triangle_height, longest = edge < step ? edge : step;
 	const double by_length = at[1] * around->total / longest;
 	/* Around the axis the normal turns by the circle that it describes. */
 	const double across = at[1] / wide, ahead = at[0] / e->radii[2];

@@ -59,12 +59,6 @@ void esk_shell_flip(esk_shell *shell, uint32_t h)
 	put(shell, gp, b, bc, mark_bc);
 }
 
-static void subtract(const double a[3], const double b[3], double out[3])
-{
-	for (int i = 0; i < 3; i++)
-		out[i] = a[i] - b[i];
-}
-
 /* The angles opposite to the edge are more than two right ones together (Delaunay). */
 static bool is_better_flipped(const esk_shell *shell, uint32_t h)
 {
@@ -73,10 +67,10 @@ static bool is_better_flipped(const esk_shell *shell, uint32_t h)
 	const double *c = shell->points[esk_shell_start(shell, esk_shell_previous(h))],
 		     *d = shell->points[esk_shell_start(shell, esk_shell_previous(g))];
 	double ca[3], cb[3], da[3], db[3], across[3];
-	subtract(a, c, ca);
-	subtract(b, c, cb);
-	subtract(a, d, da);
-	subtract(b, d, db);
+	esk_triple_subtract(a, c, ca);
+	esk_triple_subtract(b, c, cb);
+	esk_triple_subtract(a, d, da);
+	esk_triple_subtract(b, d, db);
 	const double cosine_c = esk_triple_dot(ca, cb), cosine_d = esk_triple_dot(da, db);
 	if (cosine_c >= 0 && cosine_d >= 0)
 		return false;
@@ -191,7 +185,8 @@ static bool locate(const esk_shell *shell, const int32_t key[3], uint32_t *near)
 
 static double square_between(const double a[3], const double b[3])
 {
-	const double u[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+	double u[3];
+	esk_triple_subtract(a, b, u);
 	return esk_triple_dot(u, u);
 }
 

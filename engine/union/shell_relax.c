@@ -11,10 +11,8 @@ static double find_worst(const esk_shell *shell, uint32_t v, const double point[
 		const double *p = shell->points[esk_shell_end(shell, h)],
 			     *q = shell->points[esk_shell_start(shell, esk_shell_previous(h))];
 		double u[3], w[3], across[3];
-		for (int i = 0; i < 3; i++) {
-			u[i] = p[i] - point[i];
-			w[i] = q[i] - point[i];
-		}
+		esk_triple_subtract(p, point, u);
+		esk_triple_subtract(q, point, w);
 		esk_triple_cross(u, w, across);
 		const double sides = 2 * (esk_triple_dot(u, u) + esk_triple_dot(w, w) -
 						 esk_triple_dot(u, w)); /* |u|^2 + |w|^2 + |u - w|^2 */

@@ -40,11 +40,9 @@ typedef double point[3];
 static double side(const point a, const point b, const point c, const point d)
 {
 	point u, v, w, across;
-	for (int i = 0; i < 3; i++) {
-		u[i] = b[i] - a[i];
-		v[i] = c[i] - a[i];
-		w[i] = d[i] - a[i];
-	}
+	esk_triple_subtract(b, a, u);
+	esk_triple_subtract(c, a, v);
+	esk_triple_subtract(d, a, w);
 	esk_triple_cross(u, v, across);
 	return esk_triple_dot(across, w);
 }
