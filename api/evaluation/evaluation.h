@@ -11,7 +11,7 @@ enum { ESK_LEAVE_OUT_SHAPE, ESK_LEAVE_OUT_SUBJECT };
 
 #define ESK_NO_SHAPE SIZE_MAX
 #define ESK_SIDE_THRESHOLDS 8
-#define ESK_LEVEL_DEFAULT 10 /* of a distance of one level (eskel.h) */
+#define ESK_LEVEL_DEFAULT 10 /* of a distance of one level (eskel_skeleton.h) */
 
 /* Of a shape, as a query. */
 typedef struct {

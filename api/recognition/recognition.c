@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/* What order=position chooses from: as many as scale=neighbourhood (eskel.h). */
+/* What order=position chooses from: as many as scale=neighbourhood (eskel_library.h). */
 enum { LEAST_SHORTLIST = 40, BEYOND_LIMIT = 35 };
 
 bool esk_choice_make(eskel_api *api, const esk_parameters *query, esk_choice *choice, esk_problem *problem)

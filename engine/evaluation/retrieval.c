@@ -1,4 +1,4 @@
-/* Retrieval measures of one query, and their means (definitions and the rule for ties: eskel.h).
+/* Retrieval measures of one query, and their means (definitions and the rule for ties: eskel_library.h).
  *
  * Every measure but the precision is a sum over ranks of a weight times whether the shape at that rank is relevant. Of m
  * shapes at equal distance, r of them relevant, each rank holds a relevant one in r/m of their orders; so putting r/m in

@@ -1,4 +1,4 @@
-/* Errors of a surface against a cloud (section 3.7; eskel.h says what each is).
+/* Errors of a surface against a cloud (section 3.7; eskel_surface.h says what each is).
  *
  * The first-order distance of the paper flatters where the gradient is small, as between two primitives, so distances are
  * also measured at the true surface. That needs it as points: a mesh with a step of about a voxel. From the vertex that is

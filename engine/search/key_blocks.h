@@ -1,4 +1,4 @@
-/* Sets of keys in blocks of 64 (eskel.h): a filter over a library is mostly a few bits a shape, not a key, to write and to
+/* Sets of keys in blocks of 64 (eskel_library.h): a filter over a library is mostly a few bits a shape, not a key, to write and to
  * read, and keys that follow one another are found 64 at a time. */
 #ifndef ESK_KEY_BLOCKS_H
 #define ESK_KEY_BLOCKS_H

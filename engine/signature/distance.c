@@ -3,7 +3,7 @@
  * At a level, the cost of a pair of classes is the Manhattan (or Euclidean) distance between their numbers, or the sum
  * of the square roots of their differences, and the distance is the least cost of a bijection. It grows with k, so
  * levels are put together as means per class.
- * Where we differ from the paper: logarithms by default, all levels instead of one, and a term for size (eskel.h).
+ * Where we differ from the paper: logarithms by default, all levels instead of one, and a term for size (eskel_skeleton.h).
  *
  * Of the 36 combinations of options (eskel evaluate --all), the default, log summed over levels by Manhattan differences
  * with size, is the best or as good as the best at finding the class: nearest neighbour 1.000 of 44 bones of other

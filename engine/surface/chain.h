@@ -1,4 +1,4 @@
-/* The chain of maps from the world to the unit superquadric (eskel.h), at one point, and gradients back along it. */
+/* The chain of maps from the world to the unit superquadric (eskel_surface.h), at one point, and gradients back along it. */
 #ifndef ESK_CHAIN_H
 #define ESK_CHAIN_H
 

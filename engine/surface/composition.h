@@ -1,4 +1,4 @@
-/* Primitives composed: Blinn's blend or the union (eskel.h). With e_i = alpha_i d_i and the weights
+/* Primitives composed: Blinn's blend or the union (eskel_surface.h). With e_i = alpha_i d_i and the weights
  * w_i = exp(-e_i) / sum_j exp(-e_j) the gradient of a blend is sum_i w_i alpha_i grad d_i. */
 #ifndef ESK_COMPOSITION_H
 #define ESK_COMPOSITION_H

@@ -1,5 +1,5 @@
 /* The deformations of a primitive (section 3.5; Barr, "Global and local deformations of solid primitives", 1984): steps 2, 3
- * and 4 of the map in eskel.h from the frame to the unit superquadric, each with its Jacobian, its part of the jet and the
+ * and 4 of the map in eskel_surface.h from the frame to the unit superquadric, each with its Jacobian, its part of the jet and the
  * derivatives by its modes. */
 #ifndef ESK_DEFORMATION_H
 #define ESK_DEFORMATION_H

@@ -1,4 +1,4 @@
-/* One chain of maps (eskel.h), evaluated lane by lane: values forwards, gradients and Hessians backwards (jet.h). Steps that
+/* One chain of maps (eskel_surface.h), evaluated lane by lane: values forwards, gradients and Hessians backwards (jet.h). Steps that
  * change nothing are left out, which changes no bit: with modes of 0 they are exactly the identity. */
 #include "form.h"
 

@@ -33,7 +33,7 @@ void esk_form_values(const esk_form *form, size_t blocks, const esk_lanes (*poin
 void esk_form_gradients(const esk_form *form, size_t blocks, const esk_lanes (*points)[3], esk_lanes *values,
 	esk_lanes (*gradients)[3]);
 /* The derivatives by the first count parameters (ESK_PARAMETERS_...); those by alpha are 0. With the exponents asked for all
- * is of the superquadric, so where they are 1 the value is 2e-7 off that of the ellipsoid (eskel.h, rounded creases). */
+ * is of the superquadric, so where they are 1 the value is 2e-7 off that of the ellipsoid (eskel_surface.h, rounded creases). */
 void esk_form_derive(const esk_form *form, const esk_lanes point[3], size_t count, esk_derivatives *derivatives);
 
 #endif

@@ -1,4 +1,4 @@
-/* The primitive of a class (sections 3.3 to 3.5; eskel.h states the maps and the potential): its
+/* The primitive of a class (sections 3.3 to 3.5; eskel_surface.h states the maps and the potential): its
  * parameters. How it is evaluated is in form.h.
  *
  * Parameters change a primitive from where it is, so their derivatives are those at 0 for the first six. In this order:
@@ -31,7 +31,7 @@ enum {
 
 /* The best ellipsoid of a class, z along its longest axis, alpha 1. Eigenvalues count as least_variance at least. */
 void esk_primitive_from_node(const eskel_node *node, double gamma, double least_variance, eskel_primitive *primitive);
-/* All numbers are in the ranges of eskel.h, the axes a right-handed frame but for 1e-9; only superquadrics and deformed
+/* All numbers are in the ranges of eskel_surface.h, the axes a right-handed frame but for 1e-9; only superquadrics and deformed
  * ones have exponents, only these modes. */
 bool esk_primitive_is_valid(const eskel_primitive *primitive);
 /* Changes the first count parameters by step. to may be from. Not checked: the modes, exponents and alpha that a step leads

@@ -1,4 +1,4 @@
-/* The unit superquadric d = N(N(x^2, y^2; e1), z^2; e2) - 1 with N(u, v; e) = (u^(1/e) + v^(1/e))^e (section 3.4; eskel.h says
+/* The unit superquadric d = N(N(x^2, y^2; e1), z^2; e2) - 1 with N(u, v; e) = (u^(1/e) + v^(1/e))^e (section 3.4; eskel_surface.h says
  * where we differ), its gradient, Hessian and derivatives by the exponents; and the unit sphere, which is e1 = e2 = 1.
  *
  * In logarithms l_u = ln u nothing over- or underflows. With L = ln N and s = u^(1/e) / (u^(1/e) + v^(1/e)), the share of u,

@@ -56,7 +56,7 @@ static eskel_surface_options complete(const eskel_surface_options *asked, uint32
 	return options;
 }
 
-/* h^2 / 12 (eskel.h). */
+/* h^2 / 12 (eskel_surface.h). */
 static double least_variance(const eskel_skeleton *skeleton)
 {
 	const double side = esk_elementary_cbrt(skeleton->volume / (double)skeleton->voxels);

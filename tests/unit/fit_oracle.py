@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Compares the joint fit with SciPy's least squares: fit_oracle.py PRINT_FIT
 
-The potential, the residuals and the pull are written down again, from eskel.h and joint_fit.c, with differences in the place
+The potential, the residuals and the pull are written down again, from eskel_surface.h and joint_fit.c, with differences in the place
 of derivatives. The cost that the fit states must be that of where it ended, and SciPy, from the same start, must not end
 with a lower one."""
 import subprocess

@@ -27,7 +27,7 @@ static eskel_distance_options combination(int n)
 		.metric = (eskel_metric)(n / 8)};
 }
 
-/* ---- the definition in eskel.h, read literally: doubles, the C library's logarithm, all permutations */
+/* ---- the definition in eskel_skeleton.h, read literally: doubles, the C library's logarithm, all permutations */
 
 static double number(const eskel_signature *s, const eskel_distance_options *o, size_t row, int i)
 {

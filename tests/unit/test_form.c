@@ -1,4 +1,4 @@
-/* The oracle is the definition in eskel.h, written again in long double as directly as it reads, with the C library's
+/* The oracle is the definition in eskel_surface.h, written again in long double as directly as it reads, with the C library's
  * functions, and differences of it. */
 #include <stdarg.h>
 #include <stddef.h>

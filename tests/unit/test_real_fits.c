@@ -12,7 +12,7 @@
 enum { LEVELS = 3, STEP = 8 };
 static const uint32_t levels[LEVELS] = {4, 8, 16};
 /* Means over bones of before / after: of the mean and of the greatest first-order distance. Near
- * level 16 voxels end what can be gained: a perfect fit has 0.17 voxel (eskel.h). */
+ * level 16 voxels end what can be gained: a perfect fit has 0.17 voxel (eskel_surface.h). */
 static const double mean_goals[LEVELS] = {3.2, 4.5, 5.5}, greatest_goals[LEVELS] = {2, 3, 3.5};
 
 static double seconds(void)

@@ -1,5 +1,5 @@
 """SciPy's least squares on what bench_fit fitted: fitting.py FILE. One superquadric a class, from the same start, between the
-same bounds, to the same points with the same residuals and pull, written down again from eskel.h and joint_fit.c."""
+same bounds, to the same points with the same residuals and pull, written down again from eskel_surface.h and joint_fit.c."""
 import sys
 import time
 
